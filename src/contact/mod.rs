@@ -1,0 +1,122 @@
+//! Where the proxy is and what force the finger feels. Pure functions and values: no clock, allocation, lock or I/O.
+//!
+//! One finger is a *HIP* (haptic interface point: where the device is) and a *proxy* (god object: where it would be had
+//! the surface stopped it). Fingers do not know of each other: the haptic surface never deforms.
+
+mod proxy;
+
+use crate::geom::Vec3;
+use crate::partition::{Partition, bvh::Bvh};
+use crate::surface::Surface;
+use std::sync::Arc;
+
+pub use proxy::advance;
+
+/// Everything the servo needs to know of a scene to feel it. Immutable while in use.
+#[derive(Clone, Debug)]
+pub struct TouchScene {
+    /// The static haptic surface.
+    pub surface: Arc<Surface>,
+    /// Its search structure.
+    pub search: Arc<Bvh>,
+    /// How stiff it is.
+    pub stiffness: Stiffness,
+    /// Absent: frictionless, and nothing tangential is computed.
+    pub friction: Option<Friction>,
+}
+
+impl TouchScene {
+    /// Memory held by the search structure and the stiffness values, bytes; the surface is counted by itself.
+    pub fn bytes(&self) -> usize {
+        self.search.bytes() + self.stiffness.bytes()
+    }
+}
+
+/// Stiffness on the surface, N/mm.
+#[derive(Clone, Debug)]
+pub enum Stiffness {
+    /// The same everywhere; nothing is stored per vertex.
+    Uniform(f64),
+    /// One value per vertex, barycentric in between (ours; Ji 2008, 5.2 takes the nearest vertex).
+    PerVertex(Arc<[f64]>),
+}
+
+impl Stiffness {
+    /// Memory held per surface, bytes.
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::Uniform(_) => 0,
+            Self::PerVertex(values) => size_of_val(&values[..]),
+        }
+    }
+
+    /// Value at a point of a triangle with the given corners, N/mm.
+    pub fn at(&self, corners: [u32; 3], barycentric: [f64; 3]) -> f64 {
+        match self {
+            Self::Uniform(k) => *k,
+            Self::PerVertex(values) => (0..3)
+                .map(|i| values[corners[i] as usize] * barycentric[i])
+                .sum(),
+        }
+    }
+}
+
+/// Coulomb friction with a static and a dynamic coefficient (Zhang & Mak 1999: 0.46, split 0.46 / 0.44 by Ji 2008, 2.4).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Friction {
+    /// Coefficient while the proxy sticks.
+    pub static_coefficient: f64,
+    /// Coefficient while it slips; at most the static one.
+    pub dynamic_coefficient: f64,
+    /// f_adj of Ji 2008, 4.6: 0.7 tight, 1.0 normal, 1.3 loose skin. Tangential stiffness is k / f_adj, so slip starts
+    /// at |P − A| = μ · f_adj · depth.
+    pub skin_looseness: f64,
+}
+
+/// How the proxy meets the surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Touch {
+    /// Not at all: the proxy is at the HIP.
+    #[default]
+    Free = 0,
+    /// On the surface, frictionless.
+    Frictionless = 1,
+    /// On the surface, held by static friction.
+    Stick = 2,
+    /// On the surface, slipping against dynamic friction.
+    Slip = 3,
+}
+
+/// What one tick leaves behind for the next. Every field is part of the record, so any record is a restart point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactState {
+    /// How the proxy meets the surface.
+    pub touch: Touch,
+    /// The proxy, mm.
+    pub proxy_mm: Vec3,
+    /// Triangle the proxy is on; 0 when free.
+    pub triangle: u32,
+}
+
+/// The outcome of one tick for one finger. All finite. When free: normal, depth, stiffness and force are zero and all
+/// points are at the HIP.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Contact {
+    /// How the proxy meets the surface.
+    pub touch: Touch,
+    /// Triangle the proxy is on; 0 when free.
+    pub triangle: u32,
+    /// Where friction holds the skin: the proxy. Without friction the same as `foot_mm`. METHOD's A.
+    pub anchor_mm: Vec3,
+    /// The HIP's foot on the tangent plane at the proxy. METHOD's P.
+    pub foot_mm: Vec3,
+    /// Outward unit normal of the tangent plane.
+    pub normal: Vec3,
+    /// Penetration depth of the HIP below the tangent plane, mm, ≥ 0.
+    pub depth_mm: f64,
+    /// Stiffness at the proxy, N/mm.
+    pub stiffness_n_per_mm: f64,
+    /// Force on the finger before any device limit, N.
+    pub force_n: Vec3,
+}

@@ -1,0 +1,1 @@
+//! The falloff from the centre of a dent to its rim.

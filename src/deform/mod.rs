@@ -1,0 +1,100 @@
+//! How the drawn skin moves under the fingers. Never felt: forces come from the static surface (Ji 2008, 2.3).
+
+pub mod curve;
+pub mod footprint;
+pub mod models;
+mod ring;
+
+use crate::contact::{Contact, Touch};
+use crate::geom::Vec3;
+use crate::surface::Surface;
+
+pub use ring::RingSearch;
+
+/// One finger's press on the skin, as every deformation model sees it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Press {
+    /// Centre of the dent: where friction holds the skin, mm (METHOD's A).
+    pub anchor_mm: Vec3,
+    /// The HIP's foot on the tangent plane, mm (METHOD's P). `foot − anchor` is the tangential pull.
+    pub foot_mm: Vec3,
+    /// Outward unit normal at the anchor.
+    pub normal: Vec3,
+    /// Penetration depth, mm, ≥ 0.
+    pub depth_mm: f64,
+    /// Triangle under the anchor: where the ring search starts.
+    pub triangle: u32,
+}
+
+impl Press {
+    /// The press of one finger, or `None` when it does not touch.
+    pub fn of(contact: &Contact) -> Option<Self> {
+        (contact.touch != Touch::Free && contact.depth_mm > 0.0).then_some(Self {
+            anchor_mm: contact.anchor_mm,
+            foot_mm: contact.foot_mm,
+            normal: contact.normal,
+            depth_mm: contact.depth_mm,
+            triangle: contact.triangle,
+        })
+    }
+}
+
+/// The drawn skin's offset from the rest surface.
+///
+/// `moved` lists the vertices with a non-zero offset; `touched` those whose position or normal changed since the last
+/// update, that is all that must be drawn anew.
+#[derive(Clone, Debug, Default)]
+pub struct Displacement {
+    /// Offset of every vertex from rest, mm.
+    pub offsets_mm: Vec<Vec3>,
+    /// Unit normal of every vertex of the deformed surface.
+    pub normals: Vec<Vec3>,
+    /// Vertices with a non-zero offset, in no particular order but the same one every time.
+    pub moved: Vec<u32>,
+    /// Vertices whose offset or normal changed in the last update.
+    pub touched: Vec<u32>,
+}
+
+impl Displacement {
+    /// The surface at rest.
+    pub fn at_rest(surface: &Surface) -> Self {
+        Self {
+            offsets_mm: vec![Vec3::ZERO; surface.positions().len()],
+            normals: surface.normals().to_vec(),
+            moved: Vec::new(),
+            touched: Vec::new(),
+        }
+    }
+
+    /// Position of a vertex of the deformed surface, mm.
+    pub fn position(&self, surface: &Surface, vertex: u32) -> Vec3 {
+        surface.positions()[vertex as usize] + self.offsets_mm[vertex as usize]
+    }
+
+    /// A point of triangle `t` carried along with the deformed surface, mm; `barycentric` weighs its corners.
+    pub fn carried(&self, surface: &Surface, t: u32, barycentric: [f64; 3]) -> Vec3 {
+        let corners = surface.triangles()[t as usize];
+        (0..3)
+            .map(|i| self.position(surface, corners[i]) * barycentric[i])
+            .sum()
+    }
+}
+
+/// A deformation model: from presses to offsets.
+pub trait Model: Send {
+    /// Name in files, tables and the command line.
+    fn name(&self) -> &'static str;
+
+    /// Brings `out` from whatever it held after the last call to the shape under `presses`.
+    ///
+    /// `out` must have been made for `surface` and only ever changed by this model. Offsets and normals are finite
+    /// whatever the presses hold; a press that is not finite is left out.
+    fn update(&mut self, surface: &Surface, presses: &[Press], out: &mut Displacement);
+}
+
+/// Every model, by name, with its defaults.
+pub fn all() -> &'static [(&'static str, fn() -> Box<dyn Model>)] {
+    &[("fsmd", || {
+        Box::new(models::fsmd::Fsmd::new(models::fsmd::Settings::default()))
+    })]
+}

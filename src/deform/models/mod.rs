@@ -1,0 +1,3 @@
+//! Deformation models, one per file.
+
+pub mod fsmd;

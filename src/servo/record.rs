@@ -1,0 +1,112 @@
+//! What goes into a tick and what comes out: plain values.
+
+use super::LimitFlags;
+use crate::contact::{Contact, ContactState, Touch};
+use crate::device::Reading;
+use crate::geom::Vec3;
+
+/// Most fingers at once.
+pub const MAX_FINGERS: usize = 4;
+
+/// Everything from outside that a tick depends on. A replay that repeats it repeats the run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TickInput {
+    /// One reading per finger; those past `n_fingers` are ignored.
+    pub readings: [Reading; MAX_FINGERS],
+    /// Number of fingers, at most [`MAX_FINGERS`].
+    pub n_fingers: usize,
+    /// The tick came later than the watchdog allows: force goes to zero.
+    pub late: bool,
+    /// Force output is wanted; off before enabling and after an emergency stop.
+    pub force_enabled: bool,
+}
+
+/// One tick of one finger, complete: the input, the outcome and the state the next tick starts from.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FingerRecord {
+    /// Tick number since the servo started.
+    pub tick: u64,
+    /// Which finger, from 0.
+    pub finger: u8,
+    /// Monotonic time since the servo started, ns.
+    pub time_ns: u64,
+    /// Input: the device's reading.
+    pub reading: Reading,
+    /// Input: the tick was late beyond the watchdog's bound.
+    pub late: bool,
+    /// Input: force output was wanted.
+    pub force_enabled: bool,
+    /// The contact; holds the proxy, the normal, the anchor, depth, stiffness and the force before limits.
+    pub contact: Contact,
+    /// Force sent to the device, N.
+    pub sent_force_n: Vec3,
+    /// Which limits acted on it.
+    pub limits: LimitFlags,
+    /// How long the whole tick took, µs. Measured, not part of the replayed outcome.
+    pub duration_us: f32,
+}
+
+impl FingerRecord {
+    /// The contact state the next tick starts from.
+    pub fn contact_state(&self) -> ContactState {
+        ContactState {
+            touch: self.contact.touch,
+            proxy_mm: self.contact.anchor_mm,
+            triangle: if self.contact.touch == Touch::Free {
+                0
+            } else {
+                self.contact.triangle
+            },
+        }
+    }
+
+    /// Whether the outcome equals `other`'s bit for bit; measured times are left out.
+    pub fn same_outcome(&self, other: &Self) -> bool {
+        let bits = |r: &Self| {
+            let v = |v: Vec3| v.to_array().map(f64::to_bits);
+            let c = &r.contact;
+            (
+                (
+                    r.tick,
+                    r.finger,
+                    r.late,
+                    r.force_enabled,
+                    r.limits,
+                    c.touch,
+                    c.triangle,
+                ),
+                (
+                    r.reading.buttons,
+                    r.reading.connected,
+                    v(r.reading.position_mm),
+                    v(r.reading.velocity_mm_s),
+                ),
+                (
+                    v(c.anchor_mm),
+                    v(c.foot_mm),
+                    v(c.normal),
+                    v(c.force_n),
+                    v(r.sent_force_n),
+                ),
+                (c.depth_mm.to_bits(), c.stiffness_n_per_mm.to_bits()),
+            )
+        };
+        bits(self) == bits(other)
+    }
+}
+
+/// One tick of all fingers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TickRecord {
+    /// Number of fingers.
+    pub n_fingers: usize,
+    /// One record per finger; those past `n_fingers` are default.
+    pub fingers: [FingerRecord; MAX_FINGERS],
+}
+
+impl TickRecord {
+    /// The records of the fingers there are.
+    pub fn fingers(&self) -> &[FingerRecord] {
+        &self.fingers[..self.n_fingers]
+    }
+}

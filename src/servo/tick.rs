@@ -1,0 +1,96 @@
+//! The tick: a pure function of rig, input and time step.
+
+use super::limiter::{Gate, Limits, limit};
+use super::record::{FingerRecord, MAX_FINGERS, TickInput, TickRecord};
+use crate::contact::{self, ContactState, TouchScene};
+use crate::geom::Vec3;
+use crate::units::NS_PER_S;
+
+/// Everything a tick reads and changes.
+#[derive(Debug)]
+pub struct Rig {
+    /// The scene felt.
+    pub scene: Box<TouchScene>,
+    /// Bounds on each finger's force.
+    pub limits: [Limits; MAX_FINGERS],
+    /// Contact state of each finger.
+    pub contacts: [ContactState; MAX_FINGERS],
+    /// Force sent to each finger last tick, N.
+    pub last_force_n: [Vec3; MAX_FINGERS],
+    /// Number of the next tick.
+    pub next_tick: u64,
+}
+
+impl Rig {
+    /// A rig at rest: no contact, no force.
+    pub fn new(scene: Box<TouchScene>, limits: [Limits; MAX_FINGERS]) -> Self {
+        Self {
+            scene,
+            limits,
+            contacts: [ContactState::default(); MAX_FINGERS],
+            last_force_n: [Vec3::ZERO; MAX_FINGERS],
+            next_tick: 0,
+        }
+    }
+
+    /// Takes over the state that a record left behind, so that the next tick continues the recorded run.
+    pub fn resume_from(&mut self, record: &TickRecord) {
+        for r in record.fingers() {
+            let i = usize::from(r.finger);
+            if i < MAX_FINGERS {
+                self.contacts[i] = r.contact_state();
+                self.last_force_n[i] = r.sent_force_n;
+            }
+            self.next_tick = r.tick + 1;
+        }
+    }
+}
+
+/// One step of the servo.
+///
+/// No clock, allocation, lock, I/O, `Result` or panic: live run, replay and tests call this one function and get the
+/// same bits. `dt_s` is the nominal step. Forces sent are finite and within the limits whatever the input holds; a
+/// reading that is not finite counts as a device that did not answer.
+pub fn tick(rig: &mut Rig, input: &TickInput, dt_s: f64) -> TickRecord {
+    let n_fingers = input.n_fingers.min(MAX_FINGERS);
+    let mut out = TickRecord {
+        n_fingers,
+        ..TickRecord::default()
+    };
+    for i in 0..n_fingers {
+        let reading = input.readings[i];
+        let hip_mm = if reading.connected {
+            reading.position_mm
+        } else {
+            Vec3::NAN
+        };
+        let contact = contact::advance(&rig.scene, &mut rig.contacts[i], hip_mm);
+        let gate = Gate {
+            enabled: input.force_enabled,
+            late: input.late,
+            connected: reading.connected && reading.position_mm.is_finite(),
+        };
+        let (sent_force_n, limits) = limit(
+            contact.force_n,
+            rig.last_force_n[i],
+            gate,
+            &rig.limits[i],
+            dt_s,
+        );
+        rig.last_force_n[i] = sent_force_n;
+        out.fingers[i] = FingerRecord {
+            tick: rig.next_tick,
+            finger: i as u8,
+            time_ns: (rig.next_tick as f64 * dt_s * NS_PER_S) as u64,
+            reading,
+            late: input.late,
+            force_enabled: input.force_enabled,
+            contact,
+            sent_force_n,
+            limits,
+            duration_us: 0.0,
+        };
+    }
+    rig.next_tick += 1;
+    out
+}

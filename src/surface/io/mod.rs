@@ -1,0 +1,1 @@
+//! Meshes from and to files, one format per file.
