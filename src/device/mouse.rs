@@ -1,1 +1,254 @@
 //! The mouse finger: a spring-and-damper hand between the cursor and the HIP.
+//!
+//! The window says where the finger is wanted; a hand of some mass follows through a spring and a damper, and is pushed
+//! back by the force the skin sends. So motion and force are a finger's, not the teleports of a cursor.
+
+use super::{Capabilities, Device, Reading};
+use crate::geom::Vec3;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// The hand. Unforced it is critically damped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hand {
+    /// Moving mass of fingers and hand, kg.
+    pub mass_kg: f64,
+    /// Spring towards the wanted place, N/mm.
+    pub stiffness_n_per_mm: f64,
+    /// Damping, N·s/mm.
+    pub damping_n_s_per_mm: f64,
+}
+
+impl Hand {
+    /// A hand of `mass_kg` and `stiffness_n_per_mm` with the damping that is just critical.
+    pub fn critical(mass_kg: f64, stiffness_n_per_mm: f64) -> Self {
+        // 1 N/mm = 1000 N/m; 1 N·s/m = 0.001 N·s/mm.
+        let damping_n_s_per_m = 2.0 * (mass_kg * stiffness_n_per_mm * 1000.0).max(0.0).sqrt();
+        Self {
+            mass_kg,
+            stiffness_n_per_mm,
+            damping_n_s_per_mm: damping_n_s_per_m / 1000.0,
+        }
+    }
+
+    /// One step of `dt_s` by the implicit Euler method: stable for any stiffness, damping and step.
+    ///
+    /// Returns the new position (mm) and velocity (mm/s).
+    fn step(
+        &self,
+        position: Vec3,
+        velocity: Vec3,
+        target: Vec3,
+        force_n: Vec3,
+        dt_s: f64,
+    ) -> (Vec3, Vec3) {
+        // Accelerations in mm/s²: 1 N / 1 kg = 1000 mm/s².
+        let per_mass = 1000.0 / self.mass_kg;
+        let (k, b) = (
+            self.stiffness_n_per_mm * per_mass,
+            self.damping_n_s_per_mm * per_mass,
+        );
+        let pull = (target - position) * k + force_n * per_mass;
+        let velocity = (velocity + pull * dt_s) / (1.0 + b * dt_s + k * dt_s * dt_s);
+        (position + velocity * dt_s, velocity)
+    }
+}
+
+impl Default for Hand {
+    /// 0.15 kg on 1.5 N/mm: settles in about 50 ms and gives way by a few mm against a hard spot, as a finger does.
+    fn default() -> Self {
+        Self::critical(0.15, 1.5)
+    }
+}
+
+/// Where the window wants a mouse finger to be. Cheap to clone; any thread may set it, the servo reads the newest.
+#[derive(Clone, Debug)]
+pub struct MouseHandle {
+    shared: Arc<Shared>,
+}
+
+#[derive(Debug, Default)]
+struct Shared {
+    /// Even when the words are whole, odd while they are being written.
+    version: AtomicU64,
+    words: [AtomicU64; 3],
+}
+
+impl MouseHandle {
+    /// Says where the finger is wanted, mm. A place that is not finite is ignored.
+    pub fn set(&self, target_mm: Vec3) {
+        if !target_mm.is_finite() {
+            return;
+        }
+        let s = &self.shared;
+        // One writer at a time: take the odd version or wait for the other window thread, which holds it for nanoseconds.
+        let version = loop {
+            let v = s.version.load(Ordering::Relaxed) & !1;
+            if s.version
+                .compare_exchange(v, v + 1, Ordering::Acquire, Ordering::Relaxed)
+                .is_ok()
+            {
+                break v;
+            }
+            std::hint::spin_loop();
+        };
+        for (word, x) in s.words.iter().zip(target_mm.to_array()) {
+            word.store(x.to_bits(), Ordering::SeqCst);
+        }
+        s.version.store(version + 2, Ordering::Release);
+    }
+
+    /// The last place set, mm.
+    pub fn target_mm(&self) -> Vec3 {
+        loop {
+            if let Some(target) = self.try_target() {
+                return target;
+            }
+            std::hint::spin_loop();
+        }
+    }
+
+    /// The last place set, or `None` while another thread is writing it.
+    fn try_target(&self) -> Option<Vec3> {
+        let s = &self.shared;
+        let before = s.version.load(Ordering::Acquire);
+        let words = [0, 1, 2].map(|i| f64::from_bits(s.words[i].load(Ordering::SeqCst)));
+        let after = s.version.load(Ordering::SeqCst);
+        (before == after && before & 1 == 0).then(|| Vec3::from_array(words))
+    }
+}
+
+/// The servo's end of a mouse finger.
+#[derive(Clone, Debug)]
+pub struct Mouse {
+    capabilities: Capabilities,
+    shared: MouseHandle,
+    hand: Hand,
+    target_mm: Vec3,
+    position_mm: Vec3,
+    velocity_mm_s: Vec3,
+    force_n: Vec3,
+}
+
+impl Mouse {
+    /// A mouse finger resting at `start_mm`, and the handle that moves it.
+    pub fn new(start_mm: Vec3, hand: Hand) -> (Self, MouseHandle) {
+        let handle = MouseHandle {
+            shared: Arc::default(),
+        };
+        handle.set(start_mm);
+        let capabilities = Capabilities {
+            name: "Mouse".into(),
+            rated_force_n: 22.0,
+            max_stiffness_n_per_mm: f64::INFINITY,
+            workspace_radius_mm: f64::INFINITY,
+        };
+        let mouse = Self {
+            capabilities,
+            shared: handle.clone(),
+            hand,
+            target_mm: start_mm,
+            position_mm: start_mm,
+            velocity_mm_s: Vec3::ZERO,
+            force_n: Vec3::ZERO,
+        };
+        (mouse, handle)
+    }
+}
+
+impl Device for Mouse {
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    fn read(&mut self, dt_s: f64) -> Reading {
+        // A target caught half written is left for the next tick: the servo never waits.
+        if let Some(target) = self.shared.try_target() {
+            self.target_mm = target;
+        }
+        (self.position_mm, self.velocity_mm_s) = self.hand.step(
+            self.position_mm,
+            self.velocity_mm_s,
+            self.target_mm,
+            self.force_n,
+            dt_s,
+        );
+        Reading {
+            position_mm: self.position_mm,
+            velocity_mm_s: self.velocity_mm_s,
+            buttons: 0,
+            connected: true,
+        }
+    }
+
+    fn write(&mut self, force_n: Vec3) {
+        self.force_n = force_n;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn settle(mouse: &mut Mouse, skin_n_per_mm: f64, ticks: usize) -> Vec<Reading> {
+        (0..ticks)
+            .map(|_| {
+                let reading = mouse.read(0.001);
+                // Skin: a spring below z = 0.
+                mouse.write(Vec3::Z * (-reading.position_mm.z).max(0.0) * skin_n_per_mm);
+                reading
+            })
+            .collect()
+    }
+
+    #[test]
+    fn free_hand_reaches_the_cursor_without_overshoot() {
+        let (mut mouse, handle) = Mouse::new(Vec3::ZERO, Hand::default());
+        handle.set(Vec3::new(30.0, 0.0, 5.0));
+        let path = settle(&mut mouse, 0.0, 500);
+        assert!(path.iter().all(|r| r.position_mm.x <= 30.0 + 1e-9));
+        assert!(path[499].position_mm.distance(Vec3::new(30.0, 0.0, 5.0)) < 1e-3);
+    }
+
+    #[test]
+    fn first_tick_after_a_jump_of_the_cursor_is_not_a_teleport() {
+        let (mut mouse, handle) = Mouse::new(Vec3::ZERO, Hand::default());
+        handle.set(Vec3::new(100.0, 0.0, 0.0));
+        let moved_mm = mouse.read(0.001).position_mm.x;
+        assert!(moved_mm > 0.0 && moved_mm < 2.0, "moved {moved_mm} mm");
+    }
+
+    #[test]
+    fn pressed_hand_rests_where_its_spring_balances_the_skin() {
+        let hand = Hand::default();
+        let (mut mouse, handle) = Mouse::new(Vec3::ZERO, hand);
+        handle.set(Vec3::new(0.0, 0.0, -8.0));
+        let skin = 0.5;
+        let z = settle(&mut mouse, skin, 2000)[1999].position_mm.z;
+        let expected = -8.0 * hand.stiffness_n_per_mm / (hand.stiffness_n_per_mm + skin);
+        assert!((z - expected).abs() < 1e-6, "{z} against {expected}");
+    }
+
+    #[test]
+    fn hand_stays_bounded_against_skin_of_any_stiffness() {
+        for skin in [0.01, 1.0, 100.0] {
+            let (mut mouse, handle) = Mouse::new(Vec3::Z * 5.0, Hand::default());
+            handle.set(Vec3::Z * -10.0);
+            for _ in 0..5000 {
+                let r = mouse.read(0.001);
+                let force_n = (-r.position_mm.z).max(0.0) * skin;
+                mouse.write(Vec3::Z * force_n.min(22.0));
+                assert!(r.position_mm.length() < 100.0);
+            }
+        }
+    }
+
+    #[test]
+    fn targets_that_are_not_finite_are_ignored() {
+        let (mut mouse, handle) = Mouse::new(Vec3::ONE, Hand::default());
+        handle.set(Vec3::new(f64::NAN, 0.0, 0.0));
+        handle.set(Vec3::new(0.0, f64::INFINITY, 0.0));
+        assert_eq!(handle.target_mm(), Vec3::ONE);
+        assert!(mouse.read(0.001).position_mm.is_finite());
+    }
+}
