@@ -1,0 +1,33 @@
+//! The panels: one file each, listed once.
+
+pub mod back_view;
+
+use super::command::CommandSender;
+use super::state::View;
+
+/// One panel of the workbench. It reads a [`View`], keeps its own display state and sends commands; it changes nothing
+/// else.
+pub trait Panel: Send {
+    /// Stable name: stored in layouts, used by tests.
+    fn key(&self) -> &'static str;
+    /// Title of its tab, sentence case; also its name for a screen reader.
+    fn title(&self) -> &'static str;
+    /// Why one would open it.
+    fn tooltip(&self) -> &'static str;
+    /// Draws it into all of `ui`.
+    fn ui(&mut self, ui: &mut egui::Ui, cx: &PanelContext<'_>);
+}
+
+/// What a panel gets to see and to ask with.
+#[derive(Clone, Copy)]
+pub struct PanelContext<'a> {
+    /// The state of the workbench at this frame.
+    pub view: &'a View,
+    /// Where its wishes go.
+    pub send: &'a CommandSender,
+}
+
+/// Every panel, in the order of the menu.
+pub fn all() -> Vec<Box<dyn Panel>> {
+    vec![Box::new(back_view::BackView::default())]
+}

@@ -1,0 +1,1 @@
+//! Drawing the skin with OpenGL. `f32` lives only here.

@@ -1,0 +1,94 @@
+//! What panels may read: one plain value per frame.
+
+use super::history::History;
+use super::theme::Theme;
+use crate::scenario::Scene;
+use crate::servo::{FingerRecord, Snapshot};
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex};
+
+/// The state of the workbench at one frame. Cheap to clone: large parts are shared.
+#[derive(Clone)]
+pub struct View {
+    /// The open scene; `None` while the first one is built.
+    pub scene: Option<Arc<Scene>>,
+    /// Counts scenes opened; changes whenever `scene` does.
+    pub scene_generation: u64,
+    /// The fingers shown now: the newest tick, or the replayed instant.
+    pub fingers: Vec<FingerRecord>,
+    /// The live servo, also while a recording is replayed.
+    pub live: Snapshot,
+    /// The recording on show; `None` while live.
+    pub playback: Option<PlaybackStatus>,
+    /// What the recorder does.
+    pub recorder: RecorderStatus,
+    /// The plotted past.
+    pub history: Arc<Mutex<History>>,
+    /// The window's GL context; `None` without one (tests).
+    pub gl: Option<Arc<eframe::glow::Context>>,
+    /// How long frames take.
+    pub frame: FrameTiming,
+    /// The colours.
+    pub theme: Theme,
+}
+
+impl Default for View {
+    /// An empty bench: no scene, no finger, nothing recorded.
+    fn default() -> Self {
+        Self {
+            scene: None,
+            scene_generation: 0,
+            fingers: Vec::new(),
+            live: Snapshot::default(),
+            playback: None,
+            recorder: RecorderStatus::default(),
+            history: Arc::default(),
+            gl: None,
+            frame: FrameTiming::default(),
+            theme: super::theme::DARK,
+        }
+    }
+}
+
+/// Where a replayed recording stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlaybackStatus {
+    /// The file.
+    pub path: PathBuf,
+    /// Time from its start, s.
+    pub time_s: f64,
+    /// Its length, s.
+    pub duration_s: f64,
+    /// Whether time runs.
+    pub playing: bool,
+    /// Speed, 1 is real time.
+    pub speed: f64,
+    /// Whether it starts over at the end.
+    pub looped: bool,
+}
+
+/// What the recorder does.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RecorderStatus {
+    /// The file being written.
+    pub recording: Option<PathBuf>,
+    /// Time recorded, s.
+    pub time_s: f64,
+    /// Bytes written.
+    pub bytes: u64,
+    /// Ticks that were lost to it.
+    pub lost: u64,
+    /// Finished recordings, newest first.
+    pub recent: Vec<PathBuf>,
+}
+
+/// How long frames of the main window take.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FrameTiming {
+    /// Work of the last frame on the processor, ms.
+    pub last_ms: f64,
+    /// Longest in the last second, ms.
+    pub longest_ms: f64,
+    /// Frames drawn in the last second.
+    pub frames_per_s: f64,
+}
