@@ -2,6 +2,7 @@
 
 use super::history::History;
 use super::theme::Theme;
+use crate::device::mouse::MouseHandle;
 use crate::scenario::Scene;
 use crate::servo::{FingerRecord, Snapshot};
 use std::path::PathBuf;
@@ -24,6 +25,8 @@ pub struct View {
     pub recorder: RecorderStatus,
     /// The plotted past.
     pub history: Arc<Mutex<History>>,
+    /// Moves the mouse fingers: one per finger that is moved by the mouse, in the order of the fingers.
+    pub hands: Vec<MouseHandle>,
     /// The window's GL context; `None` without one (tests).
     pub gl: Option<Arc<eframe::glow::Context>>,
     /// How long frames take.
@@ -43,6 +46,7 @@ impl Default for View {
             playback: None,
             recorder: RecorderStatus::default(),
             history: Arc::default(),
+            hands: Vec::new(),
             gl: None,
             frame: FrameTiming::default(),
             theme: super::theme::DARK,
