@@ -7,6 +7,9 @@ pub mod scripted;
 
 use crate::geom::Vec3;
 
+/// Most fingers at once.
+pub const MAX_FINGERS: usize = 4;
+
 /// What a device reports at one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reading {
@@ -18,6 +21,13 @@ pub struct Reading {
     pub buttons: u32,
     /// Whether the device answered. When not, the position is the last known one and no force is sent.
     pub connected: bool,
+}
+
+impl Reading {
+    /// Whether the tick can use it: the device answered and the position is finite.
+    pub fn is_usable(&self) -> bool {
+        self.connected && self.position_mm.is_finite()
+    }
 }
 
 /// What a device can do.

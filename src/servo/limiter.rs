@@ -112,3 +112,93 @@ fn scaled_to(v: Vec3, length: f64) -> Vec3 {
         Vec3::ZERO
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const OPEN: Gate = Gate {
+        enabled: true,
+        late: false,
+        connected: true,
+    };
+    const LIMITS: Limits = Limits {
+        rated_force_n: 8.0,
+        rise_n_per_s: 1000.0,
+    };
+
+    #[test]
+    fn a_force_within_every_limit_passes_bit_for_bit() {
+        let wanted = Vec3::new(0.1, -2.0, 3.3);
+        assert_eq!(
+            limit(wanted, Vec3::Z * 3.0, OPEN, &LIMITS, 0.001),
+            (wanted, LimitFlags::default())
+        );
+    }
+
+    #[test]
+    fn rated_force_keeps_the_direction() {
+        let (sent, flags) = limit(
+            Vec3::new(30.0, 0.0, 40.0),
+            Vec3::Z * 8.0,
+            OPEN,
+            &LIMITS,
+            0.001,
+        );
+        assert!((sent - Vec3::new(4.8, 0.0, 6.4)).length() < 1e-12);
+        assert_eq!(flags, LimitFlags::RATED);
+    }
+
+    #[test]
+    fn force_rises_no_faster_than_allowed_and_falls_at_once() {
+        let (sent, flags) = limit(Vec3::Z * 5.0, Vec3::ZERO, OPEN, &LIMITS, 0.001);
+        assert!((sent.length() - 1.0).abs() < 1e-12 && flags == LimitFlags::RISE);
+        assert_eq!(
+            limit(Vec3::ZERO, Vec3::Z * 5.0, OPEN, &LIMITS, 0.001).0,
+            Vec3::ZERO
+        );
+    }
+
+    #[test]
+    fn nothing_flows_through_a_shut_gate() {
+        for (gate, flag) in [
+            (
+                Gate {
+                    enabled: false,
+                    ..OPEN
+                },
+                LimitFlags::DISABLED,
+            ),
+            (Gate { late: true, ..OPEN }, LimitFlags::LATE),
+            (
+                Gate {
+                    connected: false,
+                    ..OPEN
+                },
+                LimitFlags::DISCONNECTED,
+            ),
+        ] {
+            assert_eq!(
+                limit(Vec3::Z, Vec3::Z, gate, &LIMITS, 0.001),
+                (Vec3::ZERO, flag)
+            );
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn whatever_is_wanted_what_is_sent_is_finite_and_within_the_rated_force(
+            wanted in prop::array::uniform3(prop::num::f64::ANY),
+            last in prop::array::uniform3(-10.0..10.0_f64),
+            rated in 0.0..30.0_f64,
+            rise in 0.0..1e6_f64,
+        ) {
+            let limits = Limits { rated_force_n: rated, rise_n_per_s: rise };
+            let (sent, flags) = limit(Vec3::from(wanted), Vec3::from(last), OPEN, &limits, 0.001);
+            prop_assert!(sent.is_finite());
+            prop_assert!(sent.length() <= rated * (1.0 + 1e-12));
+            prop_assert_eq!(flags.has(LimitFlags::NOT_FINITE), !Vec3::from(wanted).is_finite());
+        }
+    }
+}

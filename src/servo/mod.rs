@@ -13,8 +13,11 @@ mod runner;
 mod tick;
 mod timing;
 
+pub use crate::device::MAX_FINGERS;
 pub use limiter::{LimitFlags, Limits};
-pub use record::{FingerRecord, MAX_FINGERS, TickInput, TickRecord};
-pub use runner::{Command, Lines, Servo, ServoConfig, Snapshot, start};
+pub use record::{FingerRecord, TickInput, TickRecord};
+pub use runner::{
+    Command, Fault, HANG_BOUND, Lines, Retired, Servo, ServoConfig, Snapshot, run_offline, start,
+};
 pub use tick::{Rig, tick};
-pub use timing::{Health, TimingStats};
+pub use timing::{DURATION_BIN_US, Health, N_BINS, PERIOD_BIN_US, TimingStats};

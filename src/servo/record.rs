@@ -2,11 +2,8 @@
 
 use super::LimitFlags;
 use crate::contact::{Contact, ContactState, Touch};
-use crate::device::Reading;
+use crate::device::{MAX_FINGERS, Reading};
 use crate::geom::Vec3;
-
-/// Most fingers at once.
-pub const MAX_FINGERS: usize = 4;
 
 /// Everything from outside that a tick depends on. A replay that repeats it repeats the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,6 +12,8 @@ pub struct TickInput {
     pub readings: [Reading; MAX_FINGERS],
     /// Number of fingers, at most [`MAX_FINGERS`].
     pub n_fingers: usize,
+    /// Place these fingers' proxies anew: another device or another scene.
+    pub place_anew: [bool; MAX_FINGERS],
     /// The tick came later than the watchdog allows: force goes to zero.
     pub late: bool,
     /// Force output is wanted; off before enabling and after an emergency stop.
@@ -32,6 +31,8 @@ pub struct FingerRecord {
     pub time_ns: u64,
     /// Input: the device's reading.
     pub reading: Reading,
+    /// Input: the proxy was placed anew, because the device or the scene is another one.
+    pub placed_anew: bool,
     /// Input: the tick was late beyond the watchdog's bound.
     pub late: bool,
     /// Input: force output was wanted.
@@ -47,9 +48,10 @@ pub struct FingerRecord {
 }
 
 impl FingerRecord {
-    /// The contact state the next tick starts from.
-    pub fn contact_state(&self) -> ContactState {
-        ContactState {
+    /// The contact state the next tick starts from; `None` where the device did not answer, so that the proxy is placed
+    /// anew when it does.
+    pub fn contact_state(&self) -> Option<ContactState> {
+        self.reading.is_usable().then_some(ContactState {
             touch: self.contact.touch,
             proxy_mm: self.contact.anchor_mm,
             triangle: if self.contact.touch == Touch::Free {
@@ -57,7 +59,7 @@ impl FingerRecord {
             } else {
                 self.contact.triangle
             },
-        }
+        })
     }
 
     /// Whether the outcome equals `other`'s bit for bit; measured times are left out.

@@ -1,8 +1,9 @@
 //! The tick: a pure function of rig, input and time step.
 
 use super::limiter::{Gate, Limits, limit};
-use super::record::{FingerRecord, MAX_FINGERS, TickInput, TickRecord};
-use crate::contact::{self, ContactState, TouchScene};
+use super::record::{FingerRecord, TickInput, TickRecord};
+use crate::contact::{self, Contact, ContactState, Touch, TouchScene};
+use crate::device::{MAX_FINGERS, Reading};
 use crate::geom::Vec3;
 use crate::units::NS_PER_S;
 
@@ -13,8 +14,8 @@ pub struct Rig {
     pub scene: Box<TouchScene>,
     /// Bounds on each finger's force.
     pub limits: [Limits; MAX_FINGERS],
-    /// Contact state of each finger.
-    pub contacts: [ContactState; MAX_FINGERS],
+    /// Contact state of each finger; `None` until its device answers, and again when it stops.
+    pub contacts: [Option<ContactState>; MAX_FINGERS],
     /// Force sent to each finger last tick, N.
     pub last_force_n: [Vec3; MAX_FINGERS],
     /// Number of the next tick.
@@ -27,7 +28,7 @@ impl Rig {
         Self {
             scene,
             limits,
-            contacts: [ContactState::default(); MAX_FINGERS],
+            contacts: [None; MAX_FINGERS],
             last_force_n: [Vec3::ZERO; MAX_FINGERS],
             next_tick: 0,
         }
@@ -51,6 +52,9 @@ impl Rig {
 /// No clock, allocation, lock, I/O, `Result` or panic: live run, replay and tests call this one function and get the
 /// same bits. `dt_s` is the nominal step. Forces sent are finite and within the limits whatever the input holds; a
 /// reading that is not finite counts as a device that did not answer.
+///
+/// A proxy is first placed where the device is, even inside the skin: there it feels nothing until it has been outside,
+/// so that nobody is pushed out with full force on enabling, on reconnecting or in a new scene.
 pub fn tick(rig: &mut Rig, input: &TickInput, dt_s: f64) -> TickRecord {
     let n_fingers = input.n_fingers.min(MAX_FINGERS);
     let mut out = TickRecord {
@@ -59,16 +63,15 @@ pub fn tick(rig: &mut Rig, input: &TickInput, dt_s: f64) -> TickRecord {
     };
     for i in 0..n_fingers {
         let reading = input.readings[i];
-        let hip_mm = if reading.connected {
-            reading.position_mm
-        } else {
-            Vec3::NAN
-        };
-        let contact = contact::advance(&rig.scene, &mut rig.contacts[i], hip_mm);
+        if input.place_anew[i] {
+            rig.contacts[i] = None;
+            rig.last_force_n[i] = Vec3::ZERO;
+        }
+        let contact = touch(&rig.scene, &mut rig.contacts[i], &reading);
         let gate = Gate {
             enabled: input.force_enabled,
             late: input.late,
-            connected: reading.connected && reading.position_mm.is_finite(),
+            connected: reading.is_usable(),
         };
         let (sent_force_n, limits) = limit(
             contact.force_n,
@@ -83,6 +86,7 @@ pub fn tick(rig: &mut Rig, input: &TickInput, dt_s: f64) -> TickRecord {
             finger: i as u8,
             time_ns: (rig.next_tick as f64 * dt_s * NS_PER_S) as u64,
             reading,
+            placed_anew: input.place_anew[i],
             late: input.late,
             force_enabled: input.force_enabled,
             contact,
@@ -93,4 +97,18 @@ pub fn tick(rig: &mut Rig, input: &TickInput, dt_s: f64) -> TickRecord {
     }
     rig.next_tick += 1;
     out
+}
+
+fn touch(scene: &TouchScene, state: &mut Option<ContactState>, reading: &Reading) -> Contact {
+    if !reading.is_usable() {
+        *state = None;
+        return Contact::default();
+    }
+    let hip_mm = reading.position_mm;
+    let placed = ContactState {
+        touch: Touch::Free,
+        proxy_mm: hip_mm,
+        triangle: 0,
+    };
+    contact::advance(scene, state.get_or_insert(placed), hip_mm)
 }
