@@ -67,3 +67,13 @@ impl StiffnessMap {
         (self.keys.len() == 1).then(|| self.keys[0].stiffness_n_per_mm)
     }
 }
+impl StiffnessMap {
+    /// x
+    pub fn per_vertex(&self, surface: &crate::surface::Surface) -> Vec<f64> {
+        surface
+            .positions()
+            .iter()
+            .map(|p| self.at(p.truncate()))
+            .collect()
+    }
+}

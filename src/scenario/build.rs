@@ -1,11 +1,16 @@
 //! From a scenario to the things it needs, and nothing else.
 
-use super::{Ledger, Scenario, ScenarioError, Use};
-use crate::contact::TouchScene;
+use super::needs::{Item, Needs};
+use super::{Ledger, Scenario, ScenarioError, SurfaceChoice, Use};
+use crate::contact::{Stiffness, TouchScene};
 use crate::deform::models::fsmd;
 use crate::maps::StiffnessMap;
-use crate::surface::{Report, Surface};
+use crate::partition::Partition as _;
+use crate::partition::bvh::Bvh;
+use crate::surface::{RawMesh, Report, Surface, back};
+use std::path::Path;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// A scene ready to be felt and drawn. Cheap to clone: large parts are shared.
 #[derive(Clone, Debug)]
@@ -29,7 +34,7 @@ pub struct Scene {
 }
 
 /// Why a scene could not be built.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct BuildError(pub String);
 
@@ -39,15 +44,131 @@ impl From<ScenarioError> for BuildError {
     }
 }
 
+impl BuildError {
+    /// What is said when `progress` answered stop.
+    pub const CANCELLED: &'static str = "cancelled";
+}
+
 /// Builds what `scenario` needs for `purpose`. `progress` is told what is being built and a fraction 0…1, and answers
 /// whether to go on.
 ///
 /// # Errors
 /// The mesh cannot be read or is refused, a map is refused, or `progress` said stop.
 pub fn build(
-    _scenario: Arc<Scenario>,
-    _purpose: Use,
-    _progress: &mut dyn FnMut(&str, f64) -> bool,
+    scenario: Arc<Scenario>,
+    purpose: Use,
+    progress: &mut dyn FnMut(&str, f64) -> bool,
 ) -> Result<Scene, BuildError> {
-    Err(BuildError("no builder".into()))
+    let needs = Needs::of(&scenario, purpose);
+    let mut ledger = Ledger::of(&scenario, purpose);
+    let mut step = |what: &str, fraction: f64| {
+        if progress(what, fraction) {
+            Ok(())
+        } else {
+            Err(BuildError(BuildError::CANCELLED.into()))
+        }
+    };
+
+    step("Reading the mesh", 0.0)?;
+    let started = Instant::now();
+    let (raw, mesh_origin) = raw_mesh(&scenario)?;
+    step("Checking the surface", 0.2)?;
+    let (surface, report) =
+        Surface::new(raw).map_err(|e| BuildError(format!("{mesh_origin}: {e}")))?;
+    let surface = Arc::new(surface);
+    ledger.built(Item::Surface, surface.bytes());
+    ledger.cost(Item::Surface, us_since(started), "build");
+
+    step("Building the search structure", 0.5)?;
+    let started = Instant::now();
+    let search = Arc::new(Bvh::new(&surface));
+    ledger.built(Item::Search, search.bytes());
+    ledger.cost(Item::Search, us_since(started), "build");
+
+    step("Fitting the stiffness map", 0.8)?;
+    let started = Instant::now();
+    let map = StiffnessMap::new(scenario.stiffness_keys.clone(), scenario.stiffness_fit)
+        .map_err(|e| BuildError(e.to_string()))?;
+    let stiffness = match map.uniform() {
+        Some(k) if !needs.has(Item::StiffnessField) => Stiffness::Uniform(k),
+        _ => {
+            let field = Stiffness::PerVertex(map.per_vertex(&surface).into());
+            ledger.built(Item::StiffnessField, field.bytes());
+            ledger.cost(Item::StiffnessField, us_since(started), "build");
+            field
+        }
+    };
+    if needs.has(Item::Friction) {
+        ledger.built(Item::Friction, size_of::<crate::contact::Friction>());
+    }
+
+    step("Ready", 1.0)?;
+    let touch = TouchScene {
+        surface: Arc::clone(&surface),
+        search,
+        stiffness,
+        friction: scenario.friction,
+    };
+    let deform = scenario.deform;
+    Ok(Scene {
+        scenario,
+        surface,
+        report: Arc::new(report),
+        stiffness: Arc::new(map),
+        touch,
+        deform,
+        mesh_origin,
+        ledger,
+    })
+}
+
+fn us_since(started: Instant) -> f64 {
+    started.elapsed().as_secs_f64() * 1.0e6
+}
+
+/// The mesh as its source gives it, and the name of that source.
+fn raw_mesh(scenario: &Scenario) -> Result<(RawMesh, String), BuildError> {
+    match &scenario.surface {
+        SurfaceChoice::BuiltinBack { triangles } => {
+            let options = back::BackOptions {
+                triangles: *triangles,
+                ..back::BackOptions::default()
+            };
+            Ok((back::make(&options), "builtin:back".into()))
+        }
+        SurfaceChoice::Mesh { path, units } => {
+            let Some(folder) = &scenario.folder else {
+                let what =
+                    "a scenario without a folder cannot name a mesh file; use builtin = \"back\"";
+                return Err(BuildError(format!("mesh = {path:?}: {what}")));
+            };
+            let file = folder.join(path);
+            stays_inside(&file, folder)?;
+            let mesh = read_mesh(&file, units.as_deref())?;
+            Ok((mesh, path.display().to_string()))
+        }
+    }
+}
+
+/// Follows links: a mesh file must lie in the scenario's folder, whatever its path looks like.
+fn stays_inside(file: &Path, folder: &Path) -> Result<(), BuildError> {
+    let canonical = |p: &Path| {
+        p.canonicalize()
+            .map_err(|e| BuildError(format!("{}: cannot be read: {e}", p.display())))
+    };
+    let folder = if folder.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        folder
+    };
+    if canonical(file)?.starts_with(canonical(folder)?) {
+        Ok(())
+    } else {
+        let what = "leads outside the scenario's folder; meshes must lie in it";
+        Err(BuildError(format!("{}: {what}", file.display())))
+    }
+}
+
+fn read_mesh(file: &Path, _units: Option<&str>) -> Result<RawMesh, BuildError> {
+    Err(BuildError(format!("{}: no reader", file.display())))
 }

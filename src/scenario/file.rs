@@ -1,8 +1,16 @@
-//! The scenario file: TOML with units in the key names.
+//! The scenario file: TOML with units in the key names, checked down to line and value.
 
 use crate::contact::Friction;
+use crate::deform::models::fsmd;
+use crate::geom::Vec2;
 use crate::maps::{Fit, StiffnessKey};
-use std::path::{Path, PathBuf};
+use serde::Deserialize;
+use std::ops::{Range, RangeInclusive};
+use std::path::{Component, Path, PathBuf};
+use toml::Spanned;
+
+/// Version of the file format that this program reads.
+pub const FORMAT: i64 = 1;
 
 /// Where the surface comes from.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +24,8 @@ pub enum SurfaceChoice {
     Mesh {
         /// Path as stated in the file.
         path: PathBuf,
+        /// Unit of its coordinates as stated (`mm`, `cm`, `m`, `inch`); `None`: guessed by size.
+        units: Option<String>,
     },
 }
 
@@ -34,8 +44,8 @@ pub struct Scenario {
     pub stiffness_fit: Fit,
     /// Absent: frictionless.
     pub friction: Option<Friction>,
-    /// Half axis of the basic circle of the tangential footprint, mm.
-    pub basic_radius_mm: f64,
+    /// Footprint and caps of the drawn deformation.
+    pub deform: fsmd::Settings,
     /// The file, whole, as read.
     pub source: String,
     /// Folder that relative paths start from; `None` for embedded scenarios.
@@ -43,17 +53,121 @@ pub struct Scenario {
 }
 
 /// Why a scenario is refused: file, line, key, value and what is allowed, in one line.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct ScenarioError(pub String);
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    format: Spanned<i64>,
+    name: Spanned<String>,
+    #[serde(default)]
+    description: String,
+    surface: Spanned<SurfaceTable>,
+    stiffness: Spanned<StiffnessTable>,
+    friction: Option<FrictionTable>,
+    ellipse: Option<EllipseTable>,
+    deformation: Option<DeformationTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SurfaceTable {
+    builtin: Option<Spanned<String>>,
+    triangles: Option<Spanned<i64>>,
+    mesh: Option<Spanned<String>>,
+    units: Option<Spanned<String>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StiffnessTable {
+    fit: Option<Spanned<String>>,
+    constant_n_per_mm: Option<Spanned<f64>>,
+    key: Option<Spanned<Vec<KeyTable>>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct KeyTable {
+    x: Spanned<f64>,
+    y: Spanned<f64>,
+    stiffness_n_per_mm: Spanned<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FrictionTable {
+    #[serde(rename = "static")]
+    static_coefficient: Spanned<f64>,
+    dynamic: Spanned<f64>,
+    skin_looseness: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EllipseTable {
+    basic_radius_mm: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DeformationTable {
+    normal_scale_shallow: Option<Spanned<f64>>,
+    normal_scale_deep: Option<Spanned<f64>>,
+    max_normal_mm: Option<Spanned<f64>>,
+    max_tangential_mm: Option<Spanned<f64>>,
+}
+
+/// Map coordinates allowed, mm: a hundred times a back, so that a mistaken unit is noticed.
+const MAP_MM: RangeInclusive<f64> = -50_000.0..=50_000.0;
+const STIFFNESS_N_PER_MM: RangeInclusive<f64> = 0.001..=10_000.0;
+const TRIANGLES: RangeInclusive<i64> = 200..=4_000_000;
 
 impl Scenario {
     /// Parses `text`; `origin` names it in errors and `folder` is where relative paths start.
     ///
     /// # Errors
     /// The first thing wrong with it.
-    pub fn parse(_text: &str, origin: &str, _folder: Option<&Path>) -> Result<Self, ScenarioError> {
-        Err(ScenarioError(format!("{origin}: cannot be parsed")))
+    pub fn parse(text: &str, origin: &str, folder: Option<&Path>) -> Result<Self, ScenarioError> {
+        let check = Check { text, origin };
+        let file: File = toml::from_str(text).map_err(|e| check.syntax(&e))?;
+        if *file.format.get_ref() != FORMAT {
+            let what = format!(
+                "format = {}; this program reads format = {FORMAT}",
+                file.format.get_ref()
+            );
+            return Err(check.fail(&file.format.span(), what));
+        }
+        let name = file.name.get_ref().trim();
+        if name.is_empty() || name.chars().count() > 120 || name.chars().any(char::is_control) {
+            let what =
+                format!("name = {name:?}; 1 to 120 characters without line breaks are allowed");
+            return Err(check.fail(&file.name.span(), what));
+        }
+        let friction = file
+            .friction
+            .as_ref()
+            .map(|t| check.friction(t))
+            .transpose()?;
+        let deform = check.deform(
+            file.ellipse.as_ref(),
+            file.deformation.as_ref(),
+            friction.is_some(),
+        )?;
+        let (stiffness_keys, stiffness_fit) = check.stiffness(&file.stiffness)?;
+        Ok(Self {
+            name: name.to_owned(),
+            description: file.description.trim().to_owned(),
+            surface: check.surface(&file.surface)?,
+            stiffness_keys,
+            stiffness_fit,
+            friction,
+            deform,
+            source: text.to_owned(),
+            folder: folder.map(Path::to_owned),
+        })
     }
 
     /// Reads and parses a file.
@@ -62,7 +176,423 @@ impl Scenario {
     /// The file cannot be read, or the first thing wrong with it.
     pub fn load(path: &Path) -> Result<Self, ScenarioError> {
         let text = std::fs::read_to_string(path)
-            .map_err(|e| ScenarioError(format!("{}: {e}", path.display())))?;
+            .map_err(|e| ScenarioError(format!("{}: cannot be read: {e}", path.display())))?;
         Self::parse(&text, &path.display().to_string(), path.parent())
+    }
+}
+
+/// Turns what is wrong into one line with file and line number.
+struct Check<'a> {
+    text: &'a str,
+    origin: &'a str,
+}
+
+impl Check<'_> {
+    fn fail(&self, span: &Range<usize>, what: impl AsRef<str>) -> ScenarioError {
+        let line = 1 + self
+            .text
+            .bytes()
+            .take(span.start)
+            .filter(|&b| b == b'\n')
+            .count();
+        let what = what
+            .as_ref()
+            .split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" ");
+        ScenarioError(format!("{}: line {line}: {what}", self.origin))
+    }
+
+    /// An error of the TOML reader: syntax, an unknown or missing key, a wrong type.
+    fn syntax(&self, e: &toml::de::Error) -> ScenarioError {
+        let message = e
+            .message()
+            .replace("unknown field", "unknown key")
+            .replace("missing field", "missing key");
+        self.fail(
+            &e.span().unwrap_or(0..0),
+            message.replace("expected one of", "allowed are"),
+        )
+    }
+
+    fn number(
+        &self,
+        key: &str,
+        value: &Spanned<f64>,
+        allowed: RangeInclusive<f64>,
+    ) -> Result<f64, ScenarioError> {
+        let x = *value.get_ref();
+        if allowed.contains(&x) {
+            return Ok(x);
+        }
+        let what = format!(
+            "{key} = {x}; {} to {} is allowed",
+            allowed.start(),
+            allowed.end()
+        );
+        Err(self.fail(&value.span(), what))
+    }
+
+    fn surface(&self, table: &Spanned<SurfaceTable>) -> Result<SurfaceChoice, ScenarioError> {
+        let t = table.get_ref();
+        match (&t.builtin, &t.mesh) {
+            (Some(builtin), None) => {
+                if builtin.get_ref() != "back" {
+                    let what = format!("builtin = {:?}; allowed is \"back\"", builtin.get_ref());
+                    return Err(self.fail(&builtin.span(), what));
+                }
+                if let Some(units) = &t.units {
+                    return Err(self.fail(
+                        &units.span(),
+                        "units belong to a mesh; the built-in back is in mm",
+                    ));
+                }
+                let default = crate::surface::back::BackOptions::default().triangles;
+                let triangles = match &t.triangles {
+                    None => default,
+                    Some(n) if TRIANGLES.contains(n.get_ref()) => *n.get_ref() as usize,
+                    Some(n) => {
+                        let (lo, hi) = (TRIANGLES.start(), TRIANGLES.end());
+                        let what = format!("triangles = {}; {lo} to {hi} is allowed", n.get_ref());
+                        return Err(self.fail(&n.span(), what));
+                    }
+                };
+                Ok(SurfaceChoice::BuiltinBack { triangles })
+            }
+            (None, Some(mesh)) => {
+                if let Some(n) = &t.triangles {
+                    return Err(self.fail(
+                        &n.span(),
+                        "triangles belong to builtin = \"back\"; a mesh has its own",
+                    ));
+                }
+                let path = PathBuf::from(mesh.get_ref());
+                let inside = path
+                    .components()
+                    .all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
+                if !inside || mesh.get_ref().is_empty() || mesh.get_ref().contains('\\') {
+                    let what = format!(
+                        "mesh = {:?}; a relative path with / inside the scenario's folder is allowed",
+                        mesh.get_ref()
+                    );
+                    return Err(self.fail(&mesh.span(), what));
+                }
+                let units = match &t.units {
+                    None => None,
+                    Some(u) if ["mm", "cm", "m", "inch"].contains(&u.get_ref().as_str()) => {
+                        Some(u.get_ref().clone())
+                    }
+                    Some(u) => {
+                        let what = format!(
+                            "units = {:?}; allowed are \"mm\", \"cm\", \"m\", \"inch\"",
+                            u.get_ref()
+                        );
+                        return Err(self.fail(&u.span(), what));
+                    }
+                };
+                Ok(SurfaceChoice::Mesh { path, units })
+            }
+            _ => Err(self.fail(
+                &table.span(),
+                "[surface] needs either builtin = \"back\" or mesh = \"file\"",
+            )),
+        }
+    }
+
+    fn stiffness(
+        &self,
+        table: &Spanned<StiffnessTable>,
+    ) -> Result<(Vec<StiffnessKey>, Fit), ScenarioError> {
+        let t = table.get_ref();
+        let fit = match &t.fit {
+            None => Fit::default(),
+            Some(name) => match name.get_ref().as_str() {
+                "natural" => Fit::Natural,
+                other => {
+                    return Err(self.fail(
+                        &name.span(),
+                        format!("fit = {other:?}; allowed is \"natural\""),
+                    ));
+                }
+            },
+        };
+        let keys = match (&t.constant_n_per_mm, &t.key) {
+            (Some(k), None) => {
+                let stiffness_n_per_mm = self.number("constant_n_per_mm", k, STIFFNESS_N_PER_MM)?;
+                vec![StiffnessKey {
+                    at: Vec2::ZERO,
+                    stiffness_n_per_mm,
+                }]
+            }
+            (None, Some(keys)) if !keys.get_ref().is_empty() => keys
+                .get_ref()
+                .iter()
+                .map(|k| self.stiffness_key(k))
+                .collect::<Result<_, _>>()?,
+            (None, Some(keys)) => {
+                return Err(self.fail(&keys.span(), "key = []; at least one key is needed"));
+            }
+            _ => {
+                let what = "[stiffness] needs either constant_n_per_mm or key = [ { x, y, stiffness_n_per_mm }, … ]";
+                return Err(self.fail(&table.span(), what));
+            }
+        };
+        // The map's own checks (two values at one place) are told with the table's line.
+        crate::maps::StiffnessMap::new(keys.clone(), fit)
+            .map_err(|e| self.fail(&table.span(), e.to_string()))?;
+        Ok((keys, fit))
+    }
+
+    fn stiffness_key(&self, k: &KeyTable) -> Result<StiffnessKey, ScenarioError> {
+        Ok(StiffnessKey {
+            at: Vec2::new(
+                self.number("x", &k.x, MAP_MM)?,
+                self.number("y", &k.y, MAP_MM)?,
+            ),
+            stiffness_n_per_mm: self.number(
+                "stiffness_n_per_mm",
+                &k.stiffness_n_per_mm,
+                STIFFNESS_N_PER_MM,
+            )?,
+        })
+    }
+
+    fn friction(&self, t: &FrictionTable) -> Result<Friction, ScenarioError> {
+        let static_coefficient = self.number("static", &t.static_coefficient, 0.0..=10.0)?;
+        let dynamic_coefficient = self.number("dynamic", &t.dynamic, 0.0..=10.0)?;
+        if dynamic_coefficient > static_coefficient {
+            let what = format!(
+                "dynamic = {dynamic_coefficient}; at most static = {static_coefficient} is allowed"
+            );
+            return Err(self.fail(&t.dynamic.span(), what));
+        }
+        let skin_looseness = t
+            .skin_looseness
+            .as_ref()
+            .map_or(Ok(1.0), |v| self.number("skin_looseness", v, 0.1..=10.0))?;
+        Ok(Friction {
+            static_coefficient,
+            dynamic_coefficient,
+            skin_looseness,
+        })
+    }
+
+    fn deform(
+        &self,
+        ellipse: Option<&EllipseTable>,
+        deformation: Option<&DeformationTable>,
+        tangential: bool,
+    ) -> Result<fsmd::Settings, ScenarioError> {
+        let mut settings = fsmd::Settings {
+            tangential,
+            ..fsmd::Settings::default()
+        };
+        let set = |to: &mut f64,
+                   key: &str,
+                   value: Option<&Spanned<f64>>,
+                   allowed: RangeInclusive<f64>| {
+            if let Some(value) = value {
+                *to = self.number(key, value, allowed)?;
+            }
+            Ok::<(), ScenarioError>(())
+        };
+        if let Some(t) = ellipse {
+            let radius = t.basic_radius_mm.as_ref();
+            set(
+                &mut settings.half_major_mm,
+                "basic_radius_mm",
+                radius,
+                1.0..=1000.0,
+            )?;
+            settings.half_minor_mm = settings.half_major_mm;
+        }
+        if let Some(t) = deformation {
+            let scale = 0.01..=1.0;
+            let shallow = t.normal_scale_shallow.as_ref();
+            set(
+                &mut settings.normal_scale_shallow,
+                "normal_scale_shallow",
+                shallow,
+                scale.clone(),
+            )?;
+            set(
+                &mut settings.normal_scale_deep,
+                "normal_scale_deep",
+                t.normal_scale_deep.as_ref(),
+                scale,
+            )?;
+            set(
+                &mut settings.max_normal_mm,
+                "max_normal_mm",
+                t.max_normal_mm.as_ref(),
+                0.1..=50.0,
+            )?;
+            set(
+                &mut settings.max_tangential_mm,
+                "max_tangential_mm",
+                t.max_tangential_mm.as_ref(),
+                0.0..=100.0,
+            )?;
+        }
+        Ok(settings)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const GOOD: &str = r#"format = 1
+name = "Test"
+[surface]
+builtin = "back"
+triangles = 2962
+[stiffness]
+fit = "natural"
+key = [
+  { x = 0, y = 284, stiffness_n_per_mm = 0.55 },
+  { x = 40, y = 100.5, stiffness_n_per_mm = 1 },
+]
+[friction]
+static = 0.46
+dynamic = 0.44
+[ellipse]
+basic_radius_mm = 140
+"#;
+
+    #[test]
+    fn a_good_file_says_what_it_says() {
+        let s = Scenario::parse(GOOD, "a.toml", None).expect("good");
+        assert_eq!(s.name, "Test");
+        assert_eq!(s.surface, SurfaceChoice::BuiltinBack { triangles: 2962 });
+        assert_eq!(s.stiffness_keys[1].at, Vec2::new(40.0, 100.5));
+        assert_eq!(
+            s.friction
+                .map(|f| (f.static_coefficient, f.dynamic_coefficient)),
+            Some((0.46, 0.44))
+        );
+        assert!(s.deform.tangential);
+        assert_eq!(s.source, GOOD);
+    }
+
+    #[test]
+    fn without_friction_nothing_tangential_is_wanted() {
+        let text = GOOD.replace("[friction]\nstatic = 0.46\ndynamic = 0.44\n", "");
+        let s = Scenario::parse(&text, "a.toml", None).expect("good");
+        assert!(s.friction.is_none() && !s.deform.tangential);
+    }
+
+    #[test]
+    fn each_fault_is_told_with_file_line_key_value_and_what_is_allowed() {
+        for (from, to, told) in [
+            (
+                "format = 1",
+                "format = 2",
+                "a.toml: line 1: format = 2; this program reads format = 1",
+            ),
+            ("name = \"Test\"", "name = \"\"", "line 2: name = \"\""),
+            ("name = \"Test\"\n", "", "missing key `name`"),
+            (
+                "triangles = 2962",
+                "triangels = 2962",
+                "line 5: unknown key `triangels`, allowed are",
+            ),
+            (
+                "triangles = 2962",
+                "triangles = 3",
+                "line 5: triangles = 3; 200 to 4000000 is allowed",
+            ),
+            (
+                "triangles = 2962",
+                "units = \"mm\"",
+                "line 5: units belong to a mesh",
+            ),
+            (
+                "builtin = \"back\"",
+                "builtin = \"front\"",
+                "line 4: builtin = \"front\"",
+            ),
+            (
+                "builtin = \"back\"",
+                "mesh = \"x.obj\"",
+                "triangles belong to builtin",
+            ),
+            (
+                "builtin = \"back\"\ntriangles = 2962",
+                "mesh = \"../x.obj\"",
+                "line 4: mesh = \"../x.obj\"",
+            ),
+            (
+                "builtin = \"back\"\ntriangles = 2962",
+                "mesh = \"/x.obj\"",
+                "inside the scenario's folder",
+            ),
+            (
+                "builtin = \"back\"\ntriangles = 2962",
+                "mesh = \"x.obj\"\nunits = \"ft\"",
+                "line 5: units = \"ft\"",
+            ),
+            (
+                "builtin = \"back\"\ntriangles = 2962",
+                "",
+                "needs either builtin",
+            ),
+            (
+                "fit = \"natural\"",
+                "fit = \"magic\"",
+                "line 7: fit = \"magic\"",
+            ),
+            (
+                "= 0.55",
+                "= -0.55",
+                "line 9: stiffness_n_per_mm = -0.55; 0.001 to 10000 is allowed",
+            ),
+            ("= 0.55", "= nan", "line 9: stiffness_n_per_mm = NaN"),
+            ("= 0.55", "= \"soft\"", "line 9: invalid type"),
+            ("x = 40", "x = inf", "line 10: x = inf"),
+            (
+                "dynamic = 0.44",
+                "dynamic = 0.5",
+                "line 14: dynamic = 0.5; at most static = 0.46",
+            ),
+            (
+                "basic_radius_mm = 140",
+                "basic_radius_mm = 0",
+                "line 16: basic_radius_mm = 0; 1 to 1000 is allowed",
+            ),
+            ("[ellipse]", "[elipse]", "unknown key `elipse`"),
+            ("[ellipse]", "[ellipse", "line 15"),
+        ] {
+            let text = GOOD.replace(from, to);
+            assert_ne!(text, GOOD, "{from} is not in the file");
+            let error = Scenario::parse(&text, "a.toml", None)
+                .expect_err(to)
+                .to_string();
+            assert!(
+                error.contains(told),
+                "{to:?} gave {error:?}, wanted {told:?}"
+            );
+            assert!(!error.contains('\n'), "{error:?}");
+        }
+    }
+
+    #[test]
+    fn a_missing_file_is_told_by_its_name() {
+        let error = Scenario::load(Path::new("no/such.toml"))
+            .expect_err("missing")
+            .to_string();
+        assert!(error.starts_with("no/such.toml: cannot be read"), "{error}");
+    }
+
+    proptest! {
+        #[test]
+        fn any_mutation_is_parsed_or_refused_in_one_line(at in 0..GOOD.len(), with in "[ -~\n]{0,4}", cut in 0..12_usize) {
+            let end = (at + cut).min(GOOD.len());
+            let text = format!("{}{with}{}", &GOOD[..at], &GOOD[end..]);
+            if let Err(e) = Scenario::parse(&text, "a.toml", None) {
+                prop_assert!(e.0.starts_with("a.toml: line ") && !e.0.contains('\n'), "{}", e.0);
+            }
+        }
     }
 }

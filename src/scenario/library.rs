@@ -9,12 +9,122 @@ pub struct Example {
     pub text: &'static str,
 }
 
+const EXAMPLES: [Example; 4] = [
+    Example {
+        file: "FIRST.toml",
+        text: include_str!("../../assets/scenarios/FIRST.toml"),
+    },
+    Example {
+        file: "t5_right.toml",
+        text: include_str!("../../assets/scenarios/t5_right.toml"),
+    },
+    Example {
+        file: "frictionless.toml",
+        text: include_str!("../../assets/scenarios/frictionless.toml"),
+    },
+    Example {
+        file: "loose_skin.toml",
+        text: include_str!("../../assets/scenarios/loose_skin.toml"),
+    },
+];
+
 /// All of them; the first is the default.
 pub fn examples() -> &'static [Example] {
-    &[]
+    &EXAMPLES
 }
 
 /// What opens when nothing is asked for.
 pub fn default_example() -> Example {
-    Example { file: "", text: "" }
+    EXAMPLES[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::{Item, Needs, Scenario, Use, build};
+    use std::sync::Arc;
+
+    #[test]
+    fn every_example_parses_and_builds_and_has_its_own_name() {
+        let mut names = Vec::new();
+        for example in examples() {
+            let scenario = Scenario::parse(example.text, example.file, None).expect(example.file);
+            names.push(scenario.name.clone());
+            assert!(
+                !scenario.description.is_empty(),
+                "{} says nothing of itself",
+                example.file
+            );
+            let scene = build(
+                Arc::new(scenario),
+                Use {
+                    fingers: 1,
+                    ..Use::default()
+                },
+                &mut |_, _| true,
+            );
+            assert!(scene.expect(example.file).surface.triangles().len() > 2000);
+        }
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), examples().len());
+    }
+
+    #[test]
+    fn every_file_in_the_folder_is_embedded() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/scenarios");
+        let mut files: Vec<String> = std::fs::read_dir(folder)
+            .expect("folder")
+            .map(|f| f.expect("entry").file_name().into_string().expect("UTF-8"))
+            .collect();
+        files.sort();
+        let mut embedded: Vec<&str> = examples().iter().map(|e| e.file).collect();
+        embedded.sort_unstable();
+        assert_eq!(files, embedded);
+    }
+
+    #[test]
+    fn a_frictionless_uniform_scene_gets_nothing_it_does_not_need() {
+        let example = examples()
+            .iter()
+            .find(|e| e.file == "frictionless.toml")
+            .expect("embedded");
+        let scenario = Arc::new(Scenario::parse(example.text, example.file, None).expect("valid"));
+        let purpose = Use {
+            fingers: 1,
+            drawn: true,
+            ..Use::default()
+        };
+        let needs = Needs::of(&scenario, purpose);
+        assert!(
+            !needs.has(Item::Friction)
+                && !needs.has(Item::TangentialField)
+                && !needs.has(Item::StiffnessField)
+        );
+        let scene = build(scenario, purpose, &mut |_, _| true).expect("builds");
+        assert!(scene.touch.friction.is_none() && !scene.deform.tangential);
+        assert_eq!(scene.touch.stiffness.bytes(), 0);
+        for item in [
+            Item::Friction,
+            Item::TangentialField,
+            Item::StiffnessField,
+            Item::PlotHistory,
+            Item::Recorder,
+        ] {
+            let row = scene.ledger.row(item);
+            assert!(
+                !row.built && row.bytes == 0 && row.cost_us.is_none(),
+                "{row:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn stopping_the_builder_stops_it() {
+        let example = default_example();
+        let scenario = Arc::new(Scenario::parse(example.text, example.file, None).expect("valid"));
+        let error = build(scenario, Use::default(), &mut |_, fraction| fraction < 0.5)
+            .expect_err("stopped");
+        assert_eq!(error.0, "cancelled");
+    }
 }

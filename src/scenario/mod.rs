@@ -1,6 +1,7 @@
 //! Scenarios: what a scene is made of, and what of it must be built.
 //!
-//! A scenario is a TOML file ([`file`]); [`needs`] derives which parts a scene requires; [`build`] makes exactly those.
+//! A scenario is a TOML file ([`Scenario`]); [`Needs`] says which parts a scene requires; [`build`] makes exactly those and
+//! keeps the [`Ledger`] of what was built and what was left out.
 
 mod build;
 mod file;
@@ -8,6 +9,6 @@ mod library;
 mod needs;
 
 pub use build::{BuildError, Scene, build};
-pub use file::{Scenario, ScenarioError, SurfaceChoice};
+pub use file::{FORMAT, Scenario, ScenarioError, SurfaceChoice};
 pub use library::{Example, default_example, examples};
-pub use needs::{Item, Ledger, LedgerRow, Needs, Use};
+pub use needs::{Item, Ledger, LedgerRow, Needs, Use, Verdict};

@@ -1,5 +1,7 @@
 //! What a scene requires, and the ledger that tells it.
 
+use super::Scenario;
+
 /// What is going on beside the scene itself: it decides what else must exist.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Use {
@@ -38,11 +40,118 @@ pub enum Item {
     Recorder,
 }
 
+impl Item {
+    /// Every part, in the order of the ledger.
+    pub const ALL: [Self; 9] = [
+        Self::Surface,
+        Self::Search,
+        Self::StiffnessField,
+        Self::Friction,
+        Self::Deformation,
+        Self::TangentialField,
+        Self::GraphicsMesh,
+        Self::PlotHistory,
+        Self::Recorder,
+    ];
+
+    /// Name in the ledger.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Surface => "Surface and adjacency",
+            Self::Search => "Search structure",
+            Self::StiffnessField => "Stiffness per vertex",
+            Self::Friction => "Friction",
+            Self::Deformation => "Deformation",
+            Self::TangentialField => "Tangential field",
+            Self::GraphicsMesh => "Graphics mesh",
+            Self::PlotHistory => "Plot history",
+            Self::Recorder => "Recorder",
+        }
+    }
+
+    /// Whom `scenario` under `purpose` needs it for, or why it is left out.
+    pub fn verdict(self, scenario: &Scenario, purpose: Use) -> Verdict {
+        use Verdict::{LeftOut, Needed};
+        let deformed = purpose.drawn || purpose.deformed;
+        let choose = |needed, why, why_not| {
+            if needed {
+                Needed(why)
+            } else {
+                LeftOut(why_not)
+            }
+        };
+        match self {
+            Self::Surface => Needed("contact"),
+            Self::Search => Needed("contact"),
+            Self::StiffnessField => {
+                let first = scenario
+                    .stiffness_keys
+                    .first()
+                    .map(|k| k.stiffness_n_per_mm);
+                let varied = scenario
+                    .stiffness_keys
+                    .iter()
+                    .any(|k| Some(k.stiffness_n_per_mm) != first);
+                choose(varied, "stiffness keys", "stiffness is the same everywhere")
+            }
+            Self::Friction => choose(
+                scenario.friction.is_some(),
+                "[friction]",
+                "the scenario has no [friction]",
+            ),
+            Self::Deformation => {
+                let by = if purpose.drawn {
+                    "back view"
+                } else {
+                    "picture"
+                };
+                choose(deformed, by, "nothing shows the skin")
+            }
+            Self::TangentialField => match (deformed, scenario.friction.is_some()) {
+                (true, true) => Needed("friction drags the drawn skin"),
+                (true, false) => LeftOut("without friction nothing is dragged"),
+                (false, _) => LeftOut("nothing shows the skin"),
+            },
+            Self::GraphicsMesh => choose(purpose.drawn, "back view", "no back view is open"),
+            Self::PlotHistory => choose(purpose.plotted, "plots", "no plot is open"),
+            Self::Recorder => choose(purpose.recorded, "recording", "nothing is recorded"),
+        }
+    }
+}
+
+/// Whether a part is required.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// By whom.
+    Needed(&'static str),
+    /// Why not.
+    LeftOut(&'static str),
+}
+
 /// Which parts are required.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Needs {
     /// Each required part with whom it is needed by, in the order of [`Item`].
     pub required: Vec<(Item, &'static str)>,
+}
+
+impl Needs {
+    /// What `scenario` requires under `purpose`.
+    pub fn of(scenario: &Scenario, purpose: Use) -> Self {
+        let required = Item::ALL
+            .into_iter()
+            .filter_map(|item| match item.verdict(scenario, purpose) {
+                Verdict::Needed(by) => Some((item, by)),
+                Verdict::LeftOut(_) => None,
+            })
+            .collect();
+        Self { required }
+    }
+
+    /// Whether `item` is required.
+    pub fn has(&self, item: Item) -> bool {
+        self.required.iter().any(|&(i, _)| i == item)
+    }
 }
 
 /// One line of the ledger.
@@ -56,7 +165,7 @@ pub struct LedgerRow {
     pub built: bool,
     /// Bytes it holds.
     pub bytes: usize,
-    /// Cost, µs, with what it is paid per; `None` for what costs nothing by itself.
+    /// Measured cost, µs, with what it is paid per; `None` for what has not been measured or costs nothing.
     pub cost_us: Option<f64>,
     /// "tick", "frame", "build"; empty when there is no cost.
     pub cost_per: &'static str,
@@ -67,4 +176,48 @@ pub struct LedgerRow {
 pub struct Ledger {
     /// One row per [`Item`].
     pub rows: Vec<LedgerRow>,
+}
+
+impl Ledger {
+    /// Every part with its verdict; nothing built yet.
+    pub fn of(scenario: &Scenario, purpose: Use) -> Self {
+        let row = |item: Item| {
+            let reason = match item.verdict(scenario, purpose) {
+                Verdict::Needed(why) | Verdict::LeftOut(why) => why.to_owned(),
+            };
+            LedgerRow {
+                item: item.name(),
+                reason,
+                built: false,
+                bytes: 0,
+                cost_us: None,
+                cost_per: "",
+            }
+        };
+        Self {
+            rows: Item::ALL.into_iter().map(row).collect(),
+        }
+    }
+
+    /// Notes that `item` was built and holds `bytes`.
+    pub fn built(&mut self, item: Item, bytes: usize) {
+        let row = &mut self.rows[item as usize];
+        (row.built, row.bytes) = (true, bytes);
+    }
+
+    /// Notes what `item` costs, µs, per "tick", "frame" or "build".
+    pub fn cost(&mut self, item: Item, cost_us: f64, per: &'static str) {
+        let row = &mut self.rows[item as usize];
+        (row.cost_us, row.cost_per) = (Some(cost_us), per);
+    }
+
+    /// The row of `item`.
+    pub fn row(&self, item: Item) -> &LedgerRow {
+        &self.rows[item as usize]
+    }
+
+    /// Bytes of everything built.
+    pub fn total_bytes(&self) -> usize {
+        self.rows.iter().map(|r| r.bytes).sum()
+    }
 }
