@@ -2,58 +2,37 @@
 //!
 //! A session is an MCAP file; the layout is specified in [`format`]. Nothing here names the scenario module: a recording
 //! carries its scenario as text.
+//!
+//! | to do | use |
+//! |---|---|
+//! | write as fast as ticks come | [`SessionWriter`] |
+//! | write beside a live servo | [`RecorderThread`] |
+//! | read, also what a killed program left | [`Session`] |
+//! | show a recorded instant | [`Playback`] |
+//! | repeat a run and compare | [`resimulate`], [`check`] |
 
+mod compare;
 pub mod format;
+mod header;
+mod playback;
 pub mod reader;
 pub mod recorder;
 pub mod replay;
+mod wire;
+pub mod writer;
+
+pub use compare::{Difference, FieldDifference};
+pub use format::Event;
+pub use header::{DeviceInfo, Header, MeshSource, build_id, utc_now};
+pub use playback::{PLAYBACK_SPEEDS, Playback};
+pub use reader::{Damage, Entry, Recording, Records, Session, Strictness, Ticks};
+pub use recorder::{RecorderHandle, RecorderState, RecorderStatus, RecorderThread};
+pub use replay::{CheckReport, Resimulated, Statistics, check, resimulate};
+pub use writer::{IfExists, RecordingSummary, SessionWriter};
 
 use std::path::PathBuf;
 
-/// Where the recorded surface came from.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct MeshSource {
-    /// SHA-256 of the surface ([`crate::surface::Surface::hash`]), hexadecimal.
-    pub hash: String,
-    /// `builtin:back` or a path as the scenario states it.
-    pub origin: String,
-    /// Number of triangles.
-    pub triangles: usize,
-}
-
-/// What was used to feel it.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct DeviceInfo {
-    /// Name.
-    pub name: String,
-    /// Highest force, N.
-    pub rated_force_n: f64,
-    /// Fastest rise allowed, N/s.
-    pub rise_n_per_s: f64,
-}
-
-/// Everything beside the ticks that is needed to rebuild a run.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Header {
-    /// The scenario file as it was, whole.
-    pub scenario_toml: String,
-    /// Its name.
-    pub scenario_name: String,
-    /// The surface.
-    pub mesh: MeshSource,
-    /// One per finger.
-    pub devices: Vec<DeviceInfo>,
-    /// Ticks per second.
-    pub rate_hz: f64,
-    /// Program version and commit that recorded it.
-    pub build: String,
-    /// Start, UTC, ISO 8601.
-    pub started_utc: String,
-    /// Pseudonym of the participant; nothing else personal is written.
-    pub participant: Option<String>,
-}
-
-/// Why a session could not be written or read.
+/// Why a session could not be written, read or repeated.
 #[derive(Debug, thiserror::Error)]
 pub enum SessionError {
     /// The file system said no.
@@ -72,4 +51,29 @@ pub enum SessionError {
         /// What is wrong and where.
         reason: String,
     },
+    /// The header of a new session holds a value that cannot be written.
+    #[error("session header: {key} is {value:?}; allowed: {allowed}")]
+    Header {
+        /// Which entry.
+        key: String,
+        /// Its value.
+        value: String,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// The run was felt on another surface than the one it is to be repeated on.
+    #[error(
+        "{path}: recorded on surface {recorded}, but the scene has {found}; replay it with the scenario it was recorded in"
+    )]
+    OtherSurface {
+        /// Which file.
+        path: PathBuf,
+        /// Hash in the file, shortened.
+        recorded: String,
+        /// Hash of the scene's surface, shortened.
+        found: String,
+    },
+    /// The recorder is not in a state to do this, or does not answer.
+    #[error("recorder: {0}")]
+    Recorder(String),
 }

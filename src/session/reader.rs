@@ -1,1 +1,460 @@
-//! Reading sessions.
+//! Reading sessions, whole ones and what is left of others.
+
+use super::SessionError;
+use super::format::{self, Event};
+use super::header::Header;
+use super::wire::{self, Walk, WireError};
+use crate::servo::{FingerRecord, MAX_FINGERS, TickRecord};
+use mcap::records::op;
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::BufReader;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// How to meet damage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Strictness {
+    /// The first thing wrong ends the reading with an error that says what and where.
+    #[default]
+    Strict,
+    /// Reads every chunk that is whole, steps over the rest and counts it. For recordings that were killed or damaged.
+    Lenient,
+}
+
+/// What a lenient reading stepped over.
+#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Damage {
+    /// The file has no proper end: the recording was killed, or its tail is gone.
+    pub unfinished: bool,
+    /// Chunks that did not match their checksum or their format.
+    pub chunks: u64,
+    /// Bytes that belong to no readable record.
+    pub bytes: u64,
+    /// Messages that do not belong to a session or come in the wrong order.
+    pub messages: u64,
+    /// The first thing found, in words; empty when nothing was.
+    pub first: String,
+}
+
+impl Damage {
+    /// Whether the file is as its writer finished it.
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// One message of a session.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Entry {
+    /// A finger's tick.
+    Tick(FingerRecord),
+    /// An event.
+    Event(Event),
+}
+
+/// A session file whose header has been read. Cheap to open, whatever its length.
+#[derive(Clone, Debug)]
+pub struct Session {
+    path: PathBuf,
+    header: Header,
+    bytes: u64,
+}
+
+impl Session {
+    /// Opens a session and reads its header.
+    ///
+    /// # Errors
+    /// The file cannot be read, is not a session, or its header is damaged.
+    pub fn open(path: &Path) -> Result<Self, SessionError> {
+        let mut walk = walk(path, Strictness::Lenient)?;
+        let mut map = None;
+        let mut scenario = None;
+        while map.is_none() || scenario.is_none() {
+            let damaged = |at, what| wire_error(path, WireError::Damaged(at, what));
+            match walk.advance().map_err(|e| wire_error(path, e))? {
+                Some(op::METADATA) => {
+                    let record = wire::metadata(walk.record());
+                    let (name, entries) = record.map_err(|e| damaged(walk.at(), e))?;
+                    if name == format::METADATA {
+                        map = Some(entries);
+                    }
+                }
+                Some(op::ATTACHMENT) => {
+                    let record = wire::attachment(walk.record());
+                    let (name, data) = record.map_err(|e| damaged(walk.at(), e))?;
+                    if name == format::SCENARIO {
+                        let text = std::str::from_utf8(data)
+                            .map_err(|e| damaged(walk.at(), format!("the scenario: {e}")))?;
+                        scenario = Some(text.to_owned());
+                    }
+                }
+                Some(op::HEADER) => {}
+                Some(_) | None => {
+                    let what = "its header is missing; was it recorded by Dorsum?".to_owned();
+                    return Err(damaged(walk.at(), what));
+                }
+            }
+        }
+        let (map, scenario) = (map.unwrap_or_default(), scenario.unwrap_or_default());
+        let header = Header::from_map(&map, scenario).map_err(|e| SessionError::Damaged {
+            path: path.to_owned(),
+            reason: e.to_string(),
+        })?;
+        Ok(Self {
+            path: path.to_owned(),
+            header,
+            bytes: walk.size(),
+        })
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What the run was.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// Size of the file, bytes.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// Every message in the order written. Memory does not grow with the length of the session.
+    ///
+    /// # Errors
+    /// The file cannot be opened.
+    pub fn entries(&self, strictness: Strictness) -> Result<Records, SessionError> {
+        let channels = (0..MAX_FINGERS as u8).map(|i| (format::finger_channel(i), Kind::Finger(i)));
+        let events = (format::EVENTS_CHANNEL, Kind::Events);
+        Ok(Records {
+            walk: walk(&self.path, strictness)?,
+            path: self.path.clone(),
+            n_fingers: self.header.n_fingers(),
+            strictness,
+            channels: channels.chain([events]).collect(),
+            chunk: Vec::new(),
+            at: 0,
+            last: [None; MAX_FINGERS],
+            ended: false,
+            done: false,
+            damage: Damage::default(),
+        })
+    }
+
+    /// Every whole tick in order; events are left out. Memory does not grow with the length of the session.
+    ///
+    /// # Errors
+    /// The file cannot be opened.
+    pub fn ticks(&self, strictness: Strictness) -> Result<Ticks, SessionError> {
+        Ok(Ticks {
+            records: self.entries(strictness)?,
+            n_fingers: self.header.n_fingers(),
+            pending: TickRecord::default(),
+            tick: 0,
+            incomplete: 0,
+        })
+    }
+
+    /// Reads everything into memory: about 260 bytes per finger and tick.
+    ///
+    /// # Errors
+    /// [`Strictness::Strict`]: the first thing wrong. [`Strictness::Lenient`]: only what the system refuses.
+    pub fn load(&self, strictness: Strictness) -> Result<Recording, SessionError> {
+        let mut fingers = vec![Vec::new(); self.header.n_fingers()];
+        let mut events = Vec::new();
+        let mut entries = self.entries(strictness)?;
+        for entry in &mut entries {
+            match entry? {
+                Entry::Tick(record) => fingers[usize::from(record.finger)].push(record),
+                Entry::Event(event) => events.push(event),
+            }
+        }
+        Ok(Recording {
+            header: self.header.clone(),
+            fingers,
+            events,
+            damage: entries.damage,
+        })
+    }
+}
+
+/// A session in memory.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    /// What the run was.
+    pub header: Header,
+    /// Every tick of each finger, tick numbers strictly increasing.
+    pub fingers: Vec<Vec<FingerRecord>>,
+    /// Every event.
+    pub events: Vec<Event>,
+    /// What could not be read.
+    pub damage: Damage,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    Finger(u8),
+    Events,
+    Foreign,
+}
+
+/// Iterates over the messages of a session. After an error it ends.
+pub struct Records {
+    walk: Walk<BufReader<File>>,
+    path: PathBuf,
+    n_fingers: usize,
+    strictness: Strictness,
+    channels: BTreeMap<u16, Kind>,
+    chunk: Vec<u8>,
+    at: usize,
+    last: [Option<u64>; MAX_FINGERS],
+    /// The data section is over.
+    ended: bool,
+    done: bool,
+    damage: Damage,
+}
+
+impl Records {
+    /// What was stepped over so far.
+    pub fn damage(&self) -> &Damage {
+        &self.damage
+    }
+
+    fn step(&mut self) -> Result<Option<Entry>, SessionError> {
+        loop {
+            while self.at < self.chunk.len() {
+                match wire::record_in_chunk(&self.chunk, self.at) {
+                    Ok((opcode, range)) => {
+                        self.at = range.end;
+                        match self.interpret(opcode, range) {
+                            Ok(Some(entry)) => return Ok(Some(entry)),
+                            Ok(None) => {}
+                            Err(what) => {
+                                self.tell(self.walk.at(), what)?;
+                                self.damage.messages += 1;
+                            }
+                        }
+                    }
+                    Err(what) => {
+                        self.tell(self.walk.at(), what)?;
+                        self.damage.chunks += 1;
+                        self.at = self.chunk.len();
+                    }
+                }
+            }
+            if !self.next_chunk()? {
+                return Ok(None);
+            }
+        }
+    }
+
+    fn interpret(&mut self, opcode: u8, range: Range<usize>) -> Result<Option<Entry>, String> {
+        let record = &self.chunk[range];
+        match opcode {
+            op::CHANNEL => {
+                let (id, topic) = wire::channel(record)?;
+                self.channels.insert(id, self.kind(&topic));
+                Ok(None)
+            }
+            op::MESSAGE => {
+                let (id, data) = wire::message(record)?;
+                match self.channels.get(&id) {
+                    Some(Kind::Finger(finger)) => {
+                        let record = format::decode_tick(data)?;
+                        self.check(*finger, &record)?;
+                        self.last[usize::from(record.finger)] = Some(record.tick);
+                        Ok(Some(Entry::Tick(record)))
+                    }
+                    Some(Kind::Events) => Ok(Some(Entry::Event(format::decode_event(data)?))),
+                    Some(Kind::Foreign) => Ok(None),
+                    None => Err(format!("channel {id} is unknown")),
+                }
+            }
+            _ => Ok(None),
+        }
+    }
+
+    fn kind(&self, topic: &str) -> Kind {
+        let finger = (0..self.n_fingers).find(|i| topic == format::finger_topic(*i));
+        match finger {
+            Some(i) => Kind::Finger(i as u8),
+            None if topic == format::EVENTS_TOPIC => Kind::Events,
+            None => Kind::Foreign,
+        }
+    }
+
+    fn check(&self, channel: u8, record: &FingerRecord) -> Result<(), String> {
+        let finger = usize::from(record.finger);
+        if record.finger != channel || finger >= self.n_fingers {
+            return Err(format!(
+                "finger {finger} on the channel of finger {channel}"
+            ));
+        }
+        match self.last[finger] {
+            Some(last) if record.tick <= last => {
+                let tick = record.tick;
+                Err(format!(
+                    "tick {tick} of finger {finger} comes after tick {last}"
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Goes to the next chunk that can be read. `false` at the end.
+    fn next_chunk(&mut self) -> Result<bool, SessionError> {
+        self.walk.recycle(std::mem::take(&mut self.chunk));
+        self.at = 0;
+        loop {
+            match self.walk.advance() {
+                Ok(None) => return Ok(false),
+                Ok(Some(op::CHUNK)) if !self.ended => {
+                    match wire::chunk_messages(self.walk.record()) {
+                        Ok(start) => {
+                            self.chunk = self.walk.take_record();
+                            self.at = start;
+                            return Ok(true);
+                        }
+                        Err(what) => {
+                            self.tell(self.walk.at(), what)?;
+                            self.damage.chunks += 1;
+                        }
+                    }
+                }
+                Ok(Some(opcode)) => {
+                    let known = self.ended || self.walk.makes_sense(opcode);
+                    self.ended |= known && opcode == op::DATA_END;
+                    if !known {
+                        let at = self.walk.at();
+                        let what = format!("a record of kind {opcode} that makes no sense here");
+                        self.tell(at, what)?;
+                        if !self.skip_from(at)? {
+                            return Ok(false);
+                        }
+                    }
+                }
+                Err(WireError::Io(e)) => return Err(wire_error(&self.path, WireError::Io(e))),
+                Err(WireError::Damaged(at, what)) => {
+                    self.tell(at, what)?;
+                    if self.ended || !self.skip_from(at)? {
+                        self.damage.unfinished = true;
+                        return Ok(false);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Strict: an error. Lenient: noted.
+    fn tell(&mut self, at: u64, what: String) -> Result<(), SessionError> {
+        if self.strictness == Strictness::Strict {
+            return Err(wire_error(&self.path, WireError::Damaged(at, what)));
+        }
+        if self.damage.first.is_empty() {
+            self.damage.first = format!("byte {at}: {what}");
+        }
+        Ok(())
+    }
+
+    /// Lenient: leaves the record at `at` and goes to the next chunk behind it.
+    fn skip_from(&mut self, at: u64) -> Result<bool, SessionError> {
+        let found = self.walk.resynchronise(at + 1);
+        let found = found.map_err(|e| wire_error(&self.path, WireError::Io(e)))?;
+        let until = if found {
+            self.walk.next()
+        } else {
+            self.walk.size()
+        };
+        self.damage.bytes += until.saturating_sub(at);
+        if !found {
+            self.damage.unfinished = true;
+        }
+        Ok(found)
+    }
+}
+
+impl Iterator for Records {
+    type Item = Result<Entry, SessionError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.done {
+            return None;
+        }
+        let step = self.step().transpose();
+        self.done = !matches!(step, Some(Ok(_)));
+        step
+    }
+}
+
+/// Iterates over the whole ticks of a session.
+pub struct Ticks {
+    records: Records,
+    n_fingers: usize,
+    /// Records of one tick, until all are there.
+    pending: TickRecord,
+    tick: u64,
+    incomplete: u64,
+}
+
+impl Ticks {
+    /// What was stepped over so far.
+    pub fn damage(&self) -> &Damage {
+        self.records.damage()
+    }
+
+    /// Ticks left out because not every finger's record is there. The last tick of a killed recording is not counted.
+    pub fn incomplete(&self) -> u64 {
+        self.incomplete
+    }
+}
+
+impl Iterator for Ticks {
+    type Item = Result<TickRecord, SessionError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            let record = match self.records.next()? {
+                Err(e) => return Some(Err(e)),
+                Ok(Entry::Event(_)) => continue,
+                Ok(Entry::Tick(record)) => record,
+            };
+            if self.pending.n_fingers > 0 && self.tick != record.tick {
+                self.incomplete += 1;
+                self.pending.n_fingers = 0;
+            }
+            self.tick = record.tick;
+            self.pending.fingers[usize::from(record.finger)] = record;
+            self.pending.n_fingers += 1;
+            if self.pending.n_fingers == self.n_fingers {
+                return Some(Ok(std::mem::take(&mut self.pending)));
+            }
+        }
+    }
+}
+
+fn walk(path: &Path, strictness: Strictness) -> Result<Walk<BufReader<File>>, SessionError> {
+    let open = || {
+        let file = File::open(path)?;
+        let check = strictness == Strictness::Strict;
+        Walk::new(BufReader::with_capacity(64 * 1024, file), check)
+    };
+    open().map_err(|source| SessionError::Io {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+fn wire_error(path: &Path, error: WireError) -> SessionError {
+    let path = path.to_owned();
+    match error {
+        WireError::Io(source) => SessionError::Io { path, source },
+        WireError::Damaged(at, what) => SessionError::Damaged {
+            path,
+            reason: format!("byte {at}: {what}"),
+        },
+    }
+}

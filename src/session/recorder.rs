@@ -1,1 +1,351 @@
-//! The recorder thread.
+//! The recorder: a thread that owns the servo's ring for its whole life and writes it to a file when asked.
+
+use super::SessionError;
+use super::header::Header;
+use super::writer::{IfExists, RecordingSummary, SessionWriter};
+use crate::servo::FingerRecord;
+use rtrb::Consumer;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::{Builder, JoinHandle};
+use std::time::{Duration, Instant};
+
+/// The ring is emptied this often. It holds seconds of ticks; this is short so that plots are fluid.
+const PERIOD: Duration = Duration::from_millis(4);
+/// Records handed on at once.
+const BATCH: usize = 4096;
+/// Orders that wait while the disk is slow.
+const ORDERS: usize = 16;
+/// How long [`RecorderHandle::start`] and [`RecorderHandle::stop`] wait for a slow disk.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Sees every record in order, whether it is written or not: the history of the plots. Runs on the recorder's thread; must
+/// not block.
+pub type Tap = Box<dyn FnMut(&[FingerRecord]) + Send>;
+
+/// What the recorder does.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum RecorderState {
+    /// Empties the ring; nothing is written.
+    #[default]
+    Idle,
+    /// Writes.
+    Recording {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Could not go on writing. Stays so until the next start; what was written before is readable.
+    Failed {
+        /// Why.
+        reason: String,
+    },
+}
+
+/// The recorder at a glance.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RecorderStatus {
+    /// What it does.
+    pub state: RecorderState,
+    /// Ticks written.
+    pub ticks: u64,
+    /// Bytes handed to the system.
+    pub bytes: u64,
+    /// Time from the first to the last tick written, s.
+    pub seconds: f64,
+    /// Records that were lost because the ring was full.
+    pub lost: u64,
+}
+
+enum Order {
+    Start(
+        PathBuf,
+        Box<Header>,
+        IfExists,
+        SyncSender<Result<(), SessionError>>,
+    ),
+    Stop(SyncSender<Result<RecordingSummary, SessionError>>),
+    Mark(String, String),
+    Swap(Consumer<FingerRecord>),
+    Quit,
+}
+
+/// The recorder's thread.
+pub struct RecorderThread {
+    records: Consumer<FingerRecord>,
+    tap: Option<Tap>,
+    orders: Receiver<Order>,
+    status: Arc<Mutex<RecorderStatus>>,
+    writer: Option<SessionWriter>,
+    batch: Vec<FingerRecord>,
+}
+
+impl RecorderThread {
+    /// Starts the thread on the servo's ring.
+    ///
+    /// # Errors
+    /// The system refuses another thread.
+    pub fn spawn(
+        records: Consumer<FingerRecord>,
+        tap: Option<Tap>,
+    ) -> std::io::Result<RecorderHandle> {
+        let (sender, orders) = sync_channel(ORDERS);
+        let status = Arc::new(Mutex::new(RecorderStatus::default()));
+        let recorder = Self {
+            records,
+            tap,
+            orders,
+            status: Arc::clone(&status),
+            writer: None,
+            batch: vec![FingerRecord::default(); BATCH],
+        };
+        let name = Builder::new().name("recorder".into());
+        let thread = name.spawn(move || recorder.run())?;
+        Ok(RecorderHandle {
+            orders: sender,
+            status,
+            thread: Some(thread),
+        })
+    }
+
+    fn run(mut self) {
+        loop {
+            let order = self.orders.recv_timeout(PERIOD);
+            // Whatever is ordered holds for what comes after the records already there.
+            self.drain();
+            match order {
+                Ok(Order::Start(path, header, if_exists, reply)) => {
+                    let _ = reply.send(self.start(&path, &header, if_exists));
+                }
+                Ok(Order::Stop(reply)) => {
+                    let _ = reply.send(self.stop());
+                }
+                Ok(Order::Mark(kind, text)) => self.write(|w| w.event(&kind, &text)),
+                Ok(Order::Swap(records)) => {
+                    self.records = records;
+                    if let Some(writer) = &mut self.writer {
+                        writer.restarted();
+                    }
+                }
+                Ok(Order::Quit) | Err(RecvTimeoutError::Disconnected) => break,
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+        }
+        if self.writer.is_some() {
+            let _ = self.stop();
+        }
+    }
+
+    /// Empties the ring, at most what it holds now, so that orders are heard even when the servo outruns the disk.
+    fn drain(&mut self) {
+        let mut left = self.records.slots();
+        while left > 0 {
+            let n = left.min(BATCH);
+            let Ok(chunk) = self.records.read_chunk(n) else {
+                break;
+            };
+            for (slot, record) in self.batch.iter_mut().zip(chunk) {
+                *slot = record;
+            }
+            left -= n;
+            if let Some(tap) = &mut self.tap {
+                tap(&self.batch[..n]);
+            }
+            let batch = std::mem::take(&mut self.batch);
+            self.write(|w| batch[..n].iter().try_for_each(|r| w.write(r)));
+            self.batch = batch;
+        }
+        self.write(|w| w.tend(Instant::now()));
+        if let Some(writer) = &self.writer {
+            report(&self.status, &writer.summary());
+        }
+    }
+
+    /// Writes if recording; a failure ends it.
+    fn write(&mut self, act: impl FnOnce(&mut SessionWriter) -> Result<(), SessionError>) {
+        let Some(writer) = &mut self.writer else {
+            return;
+        };
+        if let Err(e) = act(writer) {
+            self.writer = None;
+            locked(&self.status).state = RecorderState::Failed {
+                reason: e.to_string(),
+            };
+        }
+    }
+
+    fn start(
+        &mut self,
+        path: &Path,
+        header: &Header,
+        if_exists: IfExists,
+    ) -> Result<(), SessionError> {
+        if self.writer.is_some() {
+            return Err(SessionError::Recorder(
+                "is recording already; stop it first".into(),
+            ));
+        }
+        self.writer = Some(SessionWriter::create(path, header, if_exists)?);
+        *locked(&self.status) = RecorderStatus {
+            state: RecorderState::Recording {
+                path: path.to_owned(),
+            },
+            ..RecorderStatus::default()
+        };
+        Ok(())
+    }
+
+    fn stop(&mut self) -> Result<RecordingSummary, SessionError> {
+        let Some(writer) = self.writer.take() else {
+            let reason = match &locked(&self.status).state {
+                RecorderState::Failed { reason } => reason.clone(),
+                _ => "is not recording".into(),
+            };
+            return Err(SessionError::Recorder(reason));
+        };
+        let outcome = writer.finish();
+        match &outcome {
+            Ok(summary) => {
+                report(&self.status, summary);
+                locked(&self.status).state = RecorderState::Idle;
+            }
+            Err(e) => {
+                locked(&self.status).state = RecorderState::Failed {
+                    reason: e.to_string(),
+                };
+            }
+        }
+        outcome
+    }
+}
+
+fn report(status: &Mutex<RecorderStatus>, summary: &RecordingSummary) {
+    let mut status = locked(status);
+    status.ticks = summary.ticks;
+    status.bytes = summary.bytes;
+    status.seconds = summary.seconds;
+    status.lost = summary.lost;
+}
+
+/// Held for a few assignments only, never over a file operation.
+fn locked(status: &Mutex<RecorderStatus>) -> MutexGuard<'_, RecorderStatus> {
+    status.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The outside end of the recorder. Dropping it finishes a running recording and joins the thread.
+pub struct RecorderHandle {
+    orders: SyncSender<Order>,
+    status: Arc<Mutex<RecorderStatus>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl RecorderHandle {
+    /// Creates the file and writes every tick from now on to it, from the next whole one. An existing file is refused.
+    ///
+    /// # Errors
+    /// The file cannot be created, the header is not writable, a recording runs already, or the disk does not answer within
+    /// ten seconds.
+    pub fn start(&self, path: &Path, header: Header) -> Result<(), SessionError> {
+        self.start_as(path, header, IfExists::Refuse)
+    }
+
+    /// As [`Self::start`], but replaces an existing file: only after someone has said so.
+    ///
+    /// # Errors
+    /// As [`Self::start`].
+    pub fn start_replacing(&self, path: &Path, header: Header) -> Result<(), SessionError> {
+        self.start_as(path, header, IfExists::Replace)
+    }
+
+    fn start_as(
+        &self,
+        path: &Path,
+        header: Header,
+        if_exists: IfExists,
+    ) -> Result<(), SessionError> {
+        let (reply, answer) = sync_channel(1);
+        self.order(Order::Start(
+            path.to_owned(),
+            Box::new(header),
+            if_exists,
+            reply,
+        ))?;
+        wait(&answer)?
+    }
+
+    /// Finishes the file.
+    ///
+    /// # Errors
+    /// Nothing is recorded, writing failed now or before, or the disk does not answer within ten seconds.
+    pub fn stop(&self) -> Result<RecordingSummary, SessionError> {
+        let (reply, answer) = sync_channel(1);
+        self.order(Order::Stop(reply))?;
+        wait(&answer)?
+    }
+
+    /// Writes an event at the newest tick; nothing happens when nothing is recorded. Never waits: `false` when the disk is
+    /// so slow that the mark could not be taken.
+    #[must_use]
+    pub fn mark(&self, kind: &str, text: &str) -> bool {
+        let order = Order::Mark(kind.to_owned(), text.to_owned());
+        self.orders.try_send(order).is_ok()
+    }
+
+    /// Goes over to the ring of a servo that was started anew, once the old one is empty. A running recording goes on with
+    /// an event and a gap in its tick numbers.
+    ///
+    /// # Errors
+    /// The recorder does not answer within ten seconds.
+    pub fn swap_records(&self, records: Consumer<FingerRecord>) -> Result<(), SessionError> {
+        self.order(Order::Swap(records))
+    }
+
+    /// The recorder at a glance. Never waits for the disk.
+    pub fn status(&self) -> RecorderStatus {
+        let mut status = locked(&self.status).clone();
+        if self.thread.as_ref().is_none_or(JoinHandle::is_finished) {
+            status.state = RecorderState::Failed {
+                reason: "its thread has ended".into(),
+            };
+        }
+        status
+    }
+
+    fn order(&self, mut order: Order) -> Result<(), SessionError> {
+        let until = Instant::now() + PATIENCE;
+        loop {
+            order = match self.orders.try_send(order) {
+                Ok(()) => return Ok(()),
+                Err(TrySendError::Full(order)) if Instant::now() < until => order,
+                Err(TrySendError::Full(_)) => return Err(silent()),
+                Err(TrySendError::Disconnected(_)) => return Err(gone()),
+            };
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+}
+
+impl Drop for RecorderHandle {
+    fn drop(&mut self) {
+        let _ = self.order(Order::Quit);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+fn wait<T>(answer: &Receiver<T>) -> Result<T, SessionError> {
+    answer.recv_timeout(PATIENCE).map_err(|e| match e {
+        RecvTimeoutError::Timeout => silent(),
+        RecvTimeoutError::Disconnected => gone(),
+    })
+}
+
+fn silent() -> SessionError {
+    let s = PATIENCE.as_secs();
+    SessionError::Recorder(format!("no answer within {s} s; is the disk very slow?"))
+}
+
+fn gone() -> SessionError {
+    SessionError::Recorder("its thread has ended".into())
+}

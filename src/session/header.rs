@@ -1,0 +1,265 @@
+//! What a session says about itself beside its ticks.
+
+use super::SessionError;
+use crate::servo::MAX_FINGERS;
+use std::collections::BTreeMap;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+/// Where the recorded surface came from.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct MeshSource {
+    /// SHA-256 of the surface ([`crate::surface::Surface::hash`]), hexadecimal.
+    pub hash: String,
+    /// `builtin:back` or a path as the scenario states it.
+    pub origin: String,
+    /// Number of triangles.
+    pub triangles: usize,
+}
+
+/// What was used to feel it.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct DeviceInfo {
+    /// Name.
+    pub name: String,
+    /// Highest force, N.
+    pub rated_force_n: f64,
+    /// Fastest rise allowed, N/s.
+    pub rise_n_per_s: f64,
+}
+
+/// Everything beside the ticks that is needed to rebuild a run.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Header {
+    /// The scenario file as it was, whole.
+    pub scenario_toml: String,
+    /// Its name.
+    pub scenario_name: String,
+    /// The surface.
+    pub mesh: MeshSource,
+    /// One per finger, 1 to [`MAX_FINGERS`].
+    pub devices: Vec<DeviceInfo>,
+    /// Ticks per second. The time step of the run is `1.0 / rate_hz`.
+    pub rate_hz: f64,
+    /// Program version and commit that recorded it.
+    pub build: String,
+    /// Start, UTC, ISO 8601 ([`utc_now`]).
+    pub started_utc: String,
+    /// Pseudonym of the participant; nothing else personal is written.
+    pub participant: Option<String>,
+}
+
+/// The present instant as sessions write it, such as `2031-05-17T09:30:00.125Z`.
+pub fn utc_now() -> String {
+    humantime::format_rfc3339_millis(SystemTime::now()).to_string()
+}
+
+/// Version of this program as sessions write it.
+pub fn build_id() -> String {
+    concat!("dorsum ", env!("CARGO_PKG_VERSION")).to_owned()
+}
+
+impl Header {
+    /// Number of fingers.
+    pub fn n_fingers(&self) -> usize {
+        self.devices.len()
+    }
+
+    /// Time step of the run, s.
+    pub fn dt_s(&self) -> f64 {
+        1.0 / self.rate_hz
+    }
+
+    /// Start in nanoseconds since 1970, UTC.
+    pub(super) fn started_ns(&self) -> Result<u64, SessionError> {
+        humantime::parse_rfc3339_weak(&self.started_utc)
+            .ok()
+            .and_then(|t| t.duration_since(UNIX_EPOCH).ok())
+            .unwrap_or(Duration::MAX)
+            .as_nanos()
+            .try_into()
+            .map_err(|_| {
+                refused(
+                    "started_utc",
+                    &self.started_utc,
+                    "UTC as in 2031-05-17T09:30:00Z",
+                )
+            })
+    }
+
+    /// The entries of the metadata record; the scenario text travels as an attachment.
+    ///
+    /// # Errors
+    /// The first entry that a reader would refuse.
+    pub(super) fn to_map(&self) -> Result<BTreeMap<String, String>, SessionError> {
+        let mut map = BTreeMap::new();
+        let mut put = |key: &str, value: String| map.insert(key.to_owned(), value);
+        put("format", super::format::FORMAT.to_string());
+        put("scenario_name", self.scenario_name.clone());
+        put("mesh_hash", self.mesh.hash.clone());
+        put("mesh_origin", self.mesh.origin.clone());
+        put("mesh_triangles", self.mesh.triangles.to_string());
+        put("rate_hz", self.rate_hz.to_string());
+        put("build", self.build.clone());
+        put("started_utc", self.started_utc.clone());
+        if let Some(participant) = &self.participant {
+            put("participant", participant.clone());
+        }
+        put("fingers", self.devices.len().to_string());
+        for (i, device) in self.devices.iter().enumerate() {
+            put(&format!("finger.{i}.device"), device.name.clone());
+            let rated = device.rated_force_n.to_string();
+            put(&format!("finger.{i}.rated_force_n"), rated);
+            let rise = device.rise_n_per_s.to_string();
+            put(&format!("finger.{i}.rise_n_per_s"), rise);
+        }
+        self.started_ns()?;
+        Self::from_map(&map, self.scenario_toml.clone())?;
+        Ok(map)
+    }
+
+    /// The reverse of [`Self::to_map`].
+    pub(super) fn from_map(
+        map: &BTreeMap<String, String>,
+        scenario_toml: String,
+    ) -> Result<Self, SessionError> {
+        let format: u32 = number(map, "format", "1")?;
+        if format != super::format::FORMAT {
+            return Err(refused(
+                "format",
+                &format.to_string(),
+                "1; a newer program wrote this",
+            ));
+        }
+        let rate_hz: f64 = number(map, "rate_hz", RATES)?;
+        if !(1.0..=1.0e6).contains(&rate_hz) {
+            return Err(refused("rate_hz", &rate_hz.to_string(), RATES));
+        }
+        let n_fingers: usize = number(map, "fingers", "1 to 4")?;
+        if !(1..=MAX_FINGERS).contains(&n_fingers) {
+            return Err(refused("fingers", &n_fingers.to_string(), "1 to 4"));
+        }
+        let mesh = MeshSource {
+            hash: text(map, "mesh_hash")?,
+            origin: text(map, "mesh_origin")?,
+            triangles: number(map, "mesh_triangles", "a count")?,
+        };
+        let devices = (0..n_fingers).map(|i| device(map, i));
+        Ok(Self {
+            scenario_toml,
+            scenario_name: text(map, "scenario_name")?,
+            mesh,
+            devices: devices.collect::<Result<_, _>>()?,
+            rate_hz,
+            build: text(map, "build")?,
+            started_utc: text(map, "started_utc")?,
+            participant: map.get("participant").cloned(),
+        })
+    }
+}
+
+const RATES: &str = "1 to 1000000";
+const FORCES: &str = "a number, 0 or more";
+
+fn device(map: &BTreeMap<String, String>, finger: usize) -> Result<DeviceInfo, SessionError> {
+    let force = |what: &str| {
+        let key = format!("finger.{finger}.{what}");
+        let value: f64 = number(map, &key, FORCES)?;
+        if value >= 0.0 {
+            Ok(value)
+        } else {
+            Err(refused(&key, &value.to_string(), FORCES))
+        }
+    };
+    Ok(DeviceInfo {
+        name: text(map, &format!("finger.{finger}.device"))?,
+        rated_force_n: force("rated_force_n")?,
+        rise_n_per_s: force("rise_n_per_s")?,
+    })
+}
+
+fn text(map: &BTreeMap<String, String>, key: &str) -> Result<String, SessionError> {
+    map.get(key)
+        .cloned()
+        .ok_or_else(|| refused(key, "", "some text"))
+}
+
+fn number<T: std::str::FromStr>(
+    map: &BTreeMap<String, String>,
+    key: &str,
+    allowed: &'static str,
+) -> Result<T, SessionError> {
+    let text = text(map, key)?;
+    text.parse().map_err(|_| refused(key, &text, allowed))
+}
+
+fn refused(key: &str, value: &str, allowed: &'static str) -> SessionError {
+    SessionError::Header {
+        key: key.to_owned(),
+        value: value.to_owned(),
+        allowed,
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    pub(in crate::session) fn sample(n_fingers: usize) -> Header {
+        let devices = (0..n_fingers).map(|i| DeviceInfo {
+            name: format!("Finger {i}"),
+            rated_force_n: 22.0,
+            rise_n_per_s: 22.0 / 0.005,
+        });
+        Header {
+            scenario_toml: "format = 1\nname = \"Täst\"\n".into(),
+            scenario_name: "Täst".into(),
+            mesh: MeshSource {
+                hash: "00ff".into(),
+                origin: "builtin:back".into(),
+                triangles: 2962,
+            },
+            devices: devices.collect(),
+            rate_hz: 1000.0,
+            build: build_id(),
+            started_utc: "2031-05-17T09:30:00.125Z".into(),
+            participant: Some("P07".into()),
+        }
+    }
+
+    #[test]
+    fn a_header_survives_its_metadata_record() {
+        let mut header = sample(3);
+        header.rate_hz = 1000.0 / 3.0;
+        header.devices[1].rise_n_per_s = f64::INFINITY;
+        header.participant = None;
+        let map = header.to_map().expect("writable");
+        let back = Header::from_map(&map, header.scenario_toml.clone()).expect("readable");
+        assert_eq!(back, header);
+    }
+
+    #[test]
+    fn what_a_reader_would_refuse_is_not_written() {
+        let broken: [(&str, fn(&mut Header)); 5] = [
+            ("rate_hz", |h| h.rate_hz = f64::NAN),
+            ("rate_hz", |h| h.rate_hz = 0.0),
+            ("fingers", |h| h.devices.clear()),
+            ("finger.0.rated_force_n", |h| {
+                h.devices[0].rated_force_n = -1.0;
+            }),
+            ("started_utc", |h| h.started_utc = "yesterday".into()),
+        ];
+        for (key, damage) in broken {
+            let mut header = sample(1);
+            damage(&mut header);
+            let error = header.to_map().expect_err(key).to_string();
+            assert!(error.contains(key), "{error}");
+        }
+    }
+
+    #[test]
+    fn now_is_written_as_a_start_that_can_be_read() {
+        let mut header = sample(1);
+        header.started_utc = utc_now();
+        assert!(header.started_ns().expect("readable") > 1_700_000_000_000_000_000);
+    }
+}
