@@ -65,7 +65,7 @@ fn record() -> impl Strategy<Value = FingerRecord> {
     let reading = (vec3(), vec3(), any::<u32>(), any::<bool>());
     let points = (vec3(), vec3(), vec3(), vec3(), vec3());
     let numbers = (double(), double(), any::<u32>(), any::<u32>(), any::<u64>());
-    let rest = (any::<bool>(), any::<bool>(), 0.0f32..1.0e9);
+    let rest = (any::<bool>(), any::<bool>(), 0.0f32..1.0e9, any::<bool>());
     (touch, reading, points, numbers, rest).prop_map(|(touch, r, p, n, rest)| FingerRecord {
         tick: 0,
         finger: 0,
@@ -78,6 +78,7 @@ fn record() -> impl Strategy<Value = FingerRecord> {
         },
         late: rest.0,
         force_enabled: rest.1,
+        placed_anew: rest.3,
         contact: Contact {
             touch,
             triangle: n.2,

@@ -44,17 +44,18 @@
 //! | 7 | `connected` | bool | input | The device answered |
 //! | 8 | `late` | bool | input | The tick came later than the watchdog allows |
 //! | 9 | `force_enabled` | bool | input | Force output was wanted |
-//! | 10 | `touch` | Touch | outcome | FREE, FRICTIONLESS, STICK or SLIP |
-//! | 11 | `triangle` | uint32 | outcome | Triangle the proxy is on; 0 when free |
-//! | 12 | `anchor_mm` | Vec3 | outcome | Proxy, mm |
-//! | 13 | `foot_mm` | Vec3 | outcome | Foot of the HIP on the tangent plane, mm |
-//! | 14 | `normal` | Vec3 | outcome | Outward unit normal; zero when free |
-//! | 15 | `depth_mm` | double | outcome | Penetration depth, mm |
-//! | 16 | `stiffness_n_per_mm` | double | outcome | Stiffness at the proxy, N/mm |
-//! | 17 | `force_n` | Vec3 | outcome | Force before any limit, N |
-//! | 18 | `sent_force_n` | Vec3 | outcome | Force sent to the device, N |
-//! | 19 | `limits` | uint32 | outcome | Limits that acted: 1 not finite, 2 rated, 4 rise, 8 disabled, 16 late, 32 disconnected |
-//! | 20 | `duration_us` | float | measured | Duration of the whole tick, µs |
+//! | 10 | `placed_anew` | bool | input | The proxy was placed anew: another device or another scene |
+//! | 11 | `touch` | Touch | outcome | FREE, FRICTIONLESS, STICK or SLIP |
+//! | 12 | `triangle` | uint32 | outcome | Triangle the proxy is on; 0 when free |
+//! | 13 | `anchor_mm` | Vec3 | outcome | Proxy, mm |
+//! | 14 | `foot_mm` | Vec3 | outcome | Foot of the HIP on the tangent plane, mm |
+//! | 15 | `normal` | Vec3 | outcome | Outward unit normal; zero when free |
+//! | 16 | `depth_mm` | double | outcome | Penetration depth, mm |
+//! | 17 | `stiffness_n_per_mm` | double | outcome | Stiffness at the proxy, N/mm |
+//! | 18 | `force_n` | Vec3 | outcome | Force before any limit, N |
+//! | 19 | `sent_force_n` | Vec3 | outcome | Force sent to the device, N |
+//! | 20 | `limits` | uint32 | outcome | Limits that acted: 1 not finite, 2 rated, 4 rise, 8 disabled, 16 late, 32 disconnected |
+//! | 21 | `duration_us` | float | measured | Duration of the whole tick, µs |
 //!
 //! Numbers from 32 on are free for later fields; readers skip what they do not know.
 //!
@@ -198,35 +199,38 @@ pub static FIELDS: &[Field] = &[
     field(9, "force_enabled", Role::Input, |r| {
         Value::Bool(r.force_enabled)
     }),
-    field(10, "touch", Role::Outcome, |r| {
+    field(10, "placed_anew", Role::Input, |r| {
+        Value::Bool(r.placed_anew)
+    }),
+    field(11, "touch", Role::Outcome, |r| {
         Value::Touch(r.contact.touch)
     }),
-    field(11, "triangle", Role::Outcome, |r| {
+    field(12, "triangle", Role::Outcome, |r| {
         Value::U32(r.contact.triangle)
     }),
-    field(12, "anchor_mm", Role::Outcome, |r| {
+    field(13, "anchor_mm", Role::Outcome, |r| {
         Value::Vec3(r.contact.anchor_mm)
     }),
-    field(13, "foot_mm", Role::Outcome, |r| {
+    field(14, "foot_mm", Role::Outcome, |r| {
         Value::Vec3(r.contact.foot_mm)
     }),
-    field(14, "normal", Role::Outcome, |r| {
+    field(15, "normal", Role::Outcome, |r| {
         Value::Vec3(r.contact.normal)
     }),
-    field(15, "depth_mm", Role::Outcome, |r| {
+    field(16, "depth_mm", Role::Outcome, |r| {
         Value::F64(r.contact.depth_mm)
     }),
-    field(16, "stiffness_n_per_mm", Role::Outcome, |r| {
+    field(17, "stiffness_n_per_mm", Role::Outcome, |r| {
         Value::F64(r.contact.stiffness_n_per_mm)
     }),
-    field(17, "force_n", Role::Outcome, |r| {
+    field(18, "force_n", Role::Outcome, |r| {
         Value::Vec3(r.contact.force_n)
     }),
-    field(18, "sent_force_n", Role::Outcome, |r| {
+    field(19, "sent_force_n", Role::Outcome, |r| {
         Value::Vec3(r.sent_force_n)
     }),
-    field(19, "limits", Role::Outcome, |r| Value::U32(r.limits.0)),
-    field(20, "duration_us", Role::Measured, |r| {
+    field(20, "limits", Role::Outcome, |r| Value::U32(r.limits.0)),
+    field(21, "duration_us", Role::Measured, |r| {
         Value::F32(r.duration_us)
     }),
 ];
@@ -346,27 +350,29 @@ struct FingerTickMessage {
     late: bool,
     #[prost(bool, required, tag = "9")]
     force_enabled: bool,
-    #[prost(int32, required, tag = "10")]
+    #[prost(bool, required, tag = "10")]
+    placed_anew: bool,
+    #[prost(int32, required, tag = "11")]
     touch: i32,
-    #[prost(uint32, required, tag = "11")]
+    #[prost(uint32, required, tag = "12")]
     triangle: u32,
-    #[prost(message, required, tag = "12")]
-    anchor_mm: Vec3Message,
     #[prost(message, required, tag = "13")]
-    foot_mm: Vec3Message,
+    anchor_mm: Vec3Message,
     #[prost(message, required, tag = "14")]
+    foot_mm: Vec3Message,
+    #[prost(message, required, tag = "15")]
     normal: Vec3Message,
-    #[prost(double, required, tag = "15")]
-    depth_mm: f64,
     #[prost(double, required, tag = "16")]
+    depth_mm: f64,
+    #[prost(double, required, tag = "17")]
     stiffness_n_per_mm: f64,
-    #[prost(message, required, tag = "17")]
-    force_n: Vec3Message,
     #[prost(message, required, tag = "18")]
+    force_n: Vec3Message,
+    #[prost(message, required, tag = "19")]
     sent_force_n: Vec3Message,
-    #[prost(uint32, required, tag = "19")]
+    #[prost(uint32, required, tag = "20")]
     limits: u32,
-    #[prost(float, required, tag = "20")]
+    #[prost(float, required, tag = "21")]
     duration_us: f32,
 }
 
@@ -408,6 +414,7 @@ pub fn encode_tick(record: &FingerRecord, out: &mut Vec<u8>) {
         connected: record.reading.connected,
         late: record.late,
         force_enabled: record.force_enabled,
+        placed_anew: record.placed_anew,
         touch: contact.touch as i32,
         triangle: contact.triangle,
         anchor_mm: contact.anchor_mm.into(),
@@ -450,6 +457,7 @@ pub fn decode_tick(data: &[u8]) -> Result<FingerRecord, String> {
         },
         late: m.late,
         force_enabled: m.force_enabled,
+        placed_anew: m.placed_anew,
         contact: Contact {
             touch,
             triangle: m.triangle,
@@ -489,4 +497,52 @@ pub fn decode_event(data: &[u8]) -> Result<Event, String> {
         kind: m.kind,
         text: m.text,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_written_layout_is_the_table() {
+        let text = include_str!("format.rs");
+        let blank = FingerRecord::default();
+        for (field, number) in FIELDS.iter().zip(1..) {
+            assert_eq!(field.number, number, "{}", field.name);
+            let kind = match (field.get)(&blank) {
+                Value::Vec3(_) => "Vec3",
+                Value::F64(_) => "double",
+                Value::F32(_) => "float",
+                Value::U64(_) => "uint64",
+                Value::U32(_) => "uint32",
+                Value::Bool(_) => "bool",
+                Value::Touch(_) => "Touch",
+            };
+            let role = format!("{:?}", field.role).to_lowercase();
+            let row = format!("//! | {number} | `{}` | {kind} | {role} |", field.name);
+            assert!(text.contains(&row), "the specification lacks {row}");
+        }
+    }
+
+    #[test]
+    fn touches_are_listed_by_their_number() {
+        for (i, (touch, _)) in TOUCHES.iter().enumerate() {
+            assert_eq!(*touch as usize, i);
+        }
+    }
+
+    #[test]
+    fn messages_with_impossible_values_are_refused() {
+        let mut message = Vec::new();
+        encode_tick(&FingerRecord::default(), &mut message);
+        let broken: [(&str, &[u8]); 2] =
+            [("finger", &[2 << 3, 0xac, 0x02]), ("touch", &[11 << 3, 9])];
+        for (word, addition) in broken {
+            // Protobuf: the last of several values of one field counts.
+            let broken = [message.as_slice(), addition].concat();
+            let error = decode_tick(&broken).expect_err(word);
+            assert!(error.starts_with(word), "{error}");
+        }
+        assert!(decode_tick(&message[..message.len() - 1]).is_err());
+    }
 }

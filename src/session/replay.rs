@@ -4,7 +4,8 @@ use super::compare::{Difference, FieldDifference, Tally};
 use super::reader::{Session, Strictness, Ticks};
 use super::{Damage, SessionError};
 use crate::contact::Touch;
-use crate::servo::{MAX_FINGERS, Rig, TickInput, TickRecord, tick};
+use crate::device::MAX_FINGERS;
+use crate::servo::{Rig, TickInput, TickRecord, tick};
 use serde::Serialize;
 
 /// A recorded tick and what the same inputs give now.
@@ -105,8 +106,9 @@ pub fn input_of(recorded: &TickRecord) -> TickInput {
         n_fingers: recorded.n_fingers.min(MAX_FINGERS),
         ..TickInput::default()
     };
-    for (reading, record) in input.readings.iter_mut().zip(recorded.fingers()) {
-        *reading = record.reading;
+    for (i, record) in recorded.fingers().iter().enumerate().take(MAX_FINGERS) {
+        input.readings[i] = record.reading;
+        input.place_anew[i] = record.placed_anew;
         input.late = record.late;
         input.force_enabled = record.force_enabled;
     }
