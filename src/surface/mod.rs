@@ -4,6 +4,8 @@
 //! sees: finite, indexed within range, consistently oriented, manifold. [`Surface::new`] is the only door between them.
 
 pub mod back;
+mod check;
+mod edges;
 pub mod io;
 mod topology;
 mod validate;
@@ -12,7 +14,9 @@ use crate::geom::{Aabb, Triangle, Vec3, unit_or};
 use sha2::{Digest, Sha256};
 
 pub use topology::{RIM, Topology};
-pub use validate::{Defect, MeshError, Report};
+pub use validate::{
+    Component, Defect, Edge, Element, Found, MAX_COORDINATE_MM, MeshError, Report, RimLoop,
+};
 
 /// Triangles as they come from outside, unchecked. Positions in mm.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -40,18 +44,19 @@ impl Surface {
     /// # Errors
     /// What cannot be repaired, naming the element: see [`MeshError`].
     pub fn new(raw: RawMesh) -> Result<(Self, Report), MeshError> {
-        let (mesh, report) = validate::repair(raw)?;
-        let topology = Topology::new(mesh.positions.len(), &mesh.triangles);
-        let normals = vertex_normals(&mesh.positions, &mesh.triangles);
-        let bounds = Aabb::of_points(mesh.positions.iter().copied());
-        let hash = hash_of(&mesh);
-        let surface = Self {
-            positions: mesh.positions,
-            triangles: mesh.triangles,
-            normals,
+        let validate::Repaired {
+            positions,
+            triangles,
             topology,
-            bounds,
-            hash,
+            report,
+        } = validate::repair(raw)?;
+        let surface = Self {
+            normals: vertex_normals(&positions, &triangles),
+            bounds: Aabb::of_points(positions.iter().copied()),
+            hash: hash_of(&positions, &triangles),
+            positions,
+            triangles,
+            topology,
         };
         Ok((surface, report))
     }
@@ -106,26 +111,32 @@ impl Surface {
 }
 
 /// Angle-weighted vertex normals (Thürmer & Wüthrich 1998), so that they do not depend on how a face is cut.
+///
+/// +z where the triangles cancel out. A triangle without area counts for nothing.
 pub fn vertex_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
     let mut sums = vec![Vec3::ZERO; positions.len()];
     for corners in triangles {
-        let p = corners.map(|v| positions[v as usize]);
-        let n = unit_or((p[1] - p[0]).cross(p[2] - p[0]), Vec3::ZERO);
-        for i in 0..3 {
-            let (e, f) = (p[(i + 1) % 3] - p[i], p[(i + 2) % 3] - p[i]);
-            let angle = libm::atan2(e.cross(f).length(), e.dot(f));
-            sums[corners[i] as usize] += n * angle;
+        let [a, b, c] = corners.map(|v| positions[v as usize]);
+        let (ab, ac, bc) = (b - a, c - a, c - b);
+        let area_normal = ab.cross(ac);
+        let n = unit_or(area_normal, Vec3::ZERO);
+        let doubled_area = area_normal.length();
+        let at_a = libm::atan2(doubled_area, ab.dot(ac));
+        let at_b = libm::atan2(doubled_area, -ab.dot(bc));
+        let at_c = std::f64::consts::PI - at_a - at_b;
+        for (&v, angle) in corners.iter().zip([at_a, at_b, at_c]) {
+            sums[v as usize] += n * angle;
         }
     }
     sums.into_iter().map(|n| unit_or(n, Vec3::Z)).collect()
 }
 
-fn hash_of(mesh: &RawMesh) -> [u8; 32] {
+fn hash_of(positions: &[Vec3], triangles: &[[u32; 3]]) -> [u8; 32] {
     let mut hasher = Sha256::new();
-    hasher.update((mesh.positions.len() as u64).to_le_bytes());
-    hasher.update((mesh.triangles.len() as u64).to_le_bytes());
+    hasher.update((positions.len() as u64).to_le_bytes());
+    hasher.update((triangles.len() as u64).to_le_bytes());
     let mut block = Vec::with_capacity(24 * 1024);
-    for chunk in mesh.positions.chunks(1024) {
+    for chunk in positions.chunks(1024) {
         block.clear();
         for p in chunk {
             for x in p.to_array() {
@@ -134,7 +145,7 @@ fn hash_of(mesh: &RawMesh) -> [u8; 32] {
         }
         hasher.update(&block);
     }
-    for chunk in mesh.triangles.chunks(2048) {
+    for chunk in triangles.chunks(2048) {
         block.clear();
         for t in chunk {
             for i in t {
