@@ -1,4 +1,8 @@
 //! How the drawn skin moves under the fingers. Never felt: forces come from the static surface (Ji 2008, 2.3).
+//!
+//! A [`Model`] turns presses into a [`Displacement`] of the vertices from rest. Its parts each answer one question and know
+//! nothing of the others: [`footprint`] how far out a point lies (the ratio q), [`curve`] how much is left there (M(q)),
+//! [`RingSearch`] which vertices hang together with the finger.
 
 pub mod curve;
 pub mod footprint;
@@ -69,6 +73,26 @@ impl Displacement {
     /// Position of a vertex of the deformed surface, mm.
     pub fn position(&self, surface: &Surface, vertex: u32) -> Vec3 {
         surface.positions()[vertex as usize] + self.offsets_mm[vertex as usize]
+    }
+
+    /// Where a point of the rest surface on triangle `t`, mm, has gone on the deformed one: the place to draw a finger at,
+    /// given the triangle and anchor of its contact.
+    ///
+    /// The point is first brought to the closest point of the triangle. A triangle that does not exist, or a point that is
+    /// not finite, gives the point back.
+    pub fn carried_point(&self, surface: &Surface, t: u32, point_mm: Vec3) -> Vec3 {
+        if (t as usize) < surface.triangles().len() && point_mm.is_finite() {
+            let at = surface.triangle(t).closest_point(point_mm);
+            self.carried(surface, t, at.barycentric)
+        } else {
+            point_mm
+        }
+    }
+
+    /// Memory held, bytes.
+    pub fn bytes(&self) -> usize {
+        24 * (self.offsets_mm.capacity() + self.normals.capacity())
+            + 4 * (self.moved.capacity() + self.touched.capacity())
     }
 
     /// A point of triangle `t` carried along with the deformed surface, mm; `barycentric` weighs its corners.

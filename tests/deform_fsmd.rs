@@ -1,0 +1,526 @@
+//! What FSMD promises, on flat, curved and folded skins: METHOD 3 and issue 2.
+
+use dorsum::deform::curve::Curve;
+use dorsum::deform::models::fsmd::{Fsmd, Settings};
+use dorsum::deform::{Displacement, Model, Press, all};
+use dorsum::geom::{Triangle, Vec3, unit_or};
+use dorsum::surface::{RawMesh, Surface};
+use proptest::prelude::*;
+
+/// A sheet of n × n cells of `cell_mm`, lifted by `height`, centred on the origin.
+fn sheet(n: usize, cell_mm: f64, height: impl Fn(f64, f64) -> f64) -> Surface {
+    let mut mesh = RawMesh::default();
+    let half = n as f64 * cell_mm / 2.0;
+    for j in 0..=n {
+        for i in 0..=n {
+            let (x, y) = (i as f64 * cell_mm - half, j as f64 * cell_mm - half);
+            mesh.positions.push(Vec3::new(x, y, height(x, y)));
+        }
+    }
+    let at = |i: usize, j: usize| (j * (n + 1) + i) as u32;
+    for j in 0..n {
+        for i in 0..n {
+            mesh.triangles
+                .push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+            mesh.triangles
+                .push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+        }
+    }
+    Surface::new(mesh).unwrap().0
+}
+
+fn hill(n: usize, cell_mm: f64) -> Surface {
+    sheet(n, cell_mm, |x, y| {
+        20.0 * (x / 40.0).cos() + 10.0 * (y / 30.0).sin()
+    })
+}
+
+/// A press with its anchor on a triangle, pulled by `pull_mm` in the tangent plane.
+fn press_on(
+    surface: &Surface,
+    triangle: u32,
+    weights: [f64; 3],
+    depth_mm: f64,
+    pull_mm: [f64; 2],
+) -> Press {
+    let t = surface.triangle(triangle);
+    let normal = t.normal();
+    let u = dorsum::geom::any_tangent(normal);
+    let v = normal.cross(u);
+    let anchor_mm = t.at(weights);
+    Press {
+        anchor_mm,
+        foot_mm: anchor_mm + u * pull_mm[0] + v * pull_mm[1],
+        normal,
+        depth_mm,
+        triangle,
+    }
+}
+
+fn press_at_vertex(surface: &Surface, vertex: u32, depth_mm: f64, pull_mm: [f64; 2]) -> Press {
+    let triangle = surface.topology().triangles_of(vertex)[0];
+    let corners = surface.triangles()[triangle as usize];
+    let weights = corners.map(|c| f64::from(u8::from(c == vertex)));
+    press_on(surface, triangle, weights, depth_mm, pull_mm)
+}
+
+fn hip(press: &Press) -> Vec3 {
+    press.foot_mm - press.normal * press.depth_mm
+}
+
+fn deformed(surface: &Surface, settings: Settings, presses: &[Press]) -> Displacement {
+    let mut out = Displacement::at_rest(surface);
+    Fsmd::new(settings).update(surface, presses, &mut out);
+    out
+}
+
+fn small() -> Settings {
+    Settings {
+        half_major_mm: 60.0,
+        half_minor_mm: 40.0,
+        ..Settings::default()
+    }
+}
+
+fn same_bits(a: &Displacement, b: &Displacement) -> bool {
+    let bits = |v: &Vec<Vec3>| -> Vec<[u64; 3]> {
+        v.iter()
+            .map(|p| p.to_array().map(|x| (x + 0.0).to_bits()))
+            .collect()
+    };
+    bits(&a.offsets_mm) == bits(&b.offsets_mm)
+        && bits(&a.normals) == bits(&b.normals)
+        && a.moved == b.moved
+}
+
+#[test]
+fn a_vertex_at_the_anchor_lands_on_the_hip_below_the_caps() {
+    let skin = hill(30, 5.0);
+    for vertex in [0, 15, 480, 485, 700, 960] {
+        for (depth, pull) in [(0.5, [0.0, 0.0]), (4.0, [3.0, -2.0]), (9.9, [12.0, 15.0])] {
+            let press = press_at_vertex(&skin, vertex, depth, pull);
+            let out = deformed(&skin, small(), &[press]);
+            let missed = (out.position(&skin, vertex) - hip(&press)).length();
+            assert!(missed < 1e-12, "vertex {vertex}: {missed} mm");
+            let finger = out.carried_point(&skin, press.triangle, press.anchor_mm);
+            assert!((finger - hip(&press)).length() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn beyond_the_caps_the_drawn_dent_stays_at_10_and_20_mm() {
+    let skin = sheet(30, 5.0, |_, _| 0.0);
+    let press = press_at_vertex(&skin, 480, 25.0, [40.0, 0.0]);
+    let out = deformed(&skin, small(), &[press]);
+    let offset = out.offsets_mm[480];
+    assert!((offset.z + 10.0).abs() < 1e-12);
+    assert!((offset.truncate().length() - 20.0).abs() < 1e-12);
+}
+
+#[test]
+fn every_vertex_moves_by_the_formula() {
+    let skin = hill(40, 4.0);
+    let settings = Settings {
+        angle_rad: 0.7,
+        ..small()
+    };
+    let press = press_at_vertex(&skin, 840, 6.0, [5.0, 2.0]);
+    let out = deformed(&skin, settings, &[press]);
+    let curve = Curve::gaussian();
+    // The sheet nowhere folds back, so that all of it inside an outline hangs together.
+    let n = press.normal;
+    let map = Vec3::new(0.7_f64.cos(), 0.7_f64.sin(), 0.0);
+    let major = unit_or(map - Vec3::Z * (map.dot(n) / n.z), Vec3::ZERO);
+    let minor = n.cross(major);
+    let scale = 0.10 + 0.30 * 6.0 / 10.0;
+    for (v, p) in skin.positions().iter().enumerate() {
+        let r = *p - press.anchor_mm;
+        let q = ((r.dot(major) / 60.0).powi(2) + (r.dot(minor) / 40.0).powi(2)).sqrt();
+        let expected =
+            (press.foot_mm - press.anchor_mm) * curve.at(q) - n * 6.0 * curve.at(q / scale);
+        let missed = (out.offsets_mm[v] - expected).length();
+        assert!(missed < 1e-9, "vertex {v} at q {q}: {missed} mm");
+    }
+}
+
+#[test]
+fn outside_the_footprint_nothing_moves_and_no_normal_turns_bit_for_bit() {
+    let skin = hill(40, 4.0);
+    let press = press_at_vertex(&skin, 840, 9.0, [5.0, 5.0]);
+    let out = deformed(&skin, small(), &[press]);
+    let mut at_rest = 0;
+    for v in 0..skin.positions().len() {
+        if (skin.positions()[v] - press.anchor_mm).dot(press.normal) == 0.0 {
+            continue;
+        }
+        let ring = skin.topology().neighbours(v as u32);
+        let still = |u: u32| out.offsets_mm[u as usize] == Vec3::ZERO;
+        let far = (skin.positions()[v] - press.anchor_mm).length() > 120.0;
+        assert!(!far || still(v as u32));
+        if still(v as u32) && ring.iter().all(|&u| still(u)) {
+            at_rest += 1;
+            assert_eq!(out.normals[v], skin.normals()[v]);
+            assert!(!out.touched.contains(&(v as u32)));
+        }
+    }
+    assert!(at_rest > 200);
+}
+
+#[test]
+fn without_friction_the_wide_field_is_neither_computed_nor_seen() {
+    let skin = sheet(40, 4.0, |_, _| 0.0);
+    let press = press_at_vertex(&skin, 840, 5.0, [8.0, 0.0]);
+    let settings = Settings {
+        tangential: false,
+        ..small()
+    };
+    let out = deformed(&skin, settings, &[press]);
+    assert!(!out.moved.is_empty());
+    for &v in &out.moved {
+        assert_eq!(out.offsets_mm[v as usize].truncate().length(), 0.0);
+        let r = skin.positions()[v as usize] - press.anchor_mm;
+        assert!(r.length() < 60.0 * 0.25);
+    }
+}
+
+#[test]
+fn two_fingers_add_as_vectors_and_then_meet_the_caps() {
+    let skin = sheet(40, 4.0, |_, _| 0.0);
+    let one = press_at_vertex(&skin, 840, 4.0, [3.0, 1.0]);
+    let two = press_at_vertex(&skin, 842, 3.0, [-1.0, 5.0]);
+    let a = deformed(&skin, small(), &[one]);
+    let b = deformed(&skin, small(), &[two]);
+    let both = deformed(&skin, small(), &[one, two]);
+    for v in 0..skin.positions().len() {
+        let sum = a.offsets_mm[v] + b.offsets_mm[v];
+        assert!((both.offsets_mm[v] - sum).length() < 1e-12);
+    }
+
+    let deep = press_at_vertex(&skin, 840, 9.0, [15.0, 0.0]);
+    let beside = press_at_vertex(&skin, 841, 9.0, [15.0, 0.0]);
+    let both = deformed(&skin, small(), &[deep, beside]);
+    for offset in &both.offsets_mm {
+        assert!(offset.z.abs() <= 10.0 + 1e-12);
+        assert!(offset.truncate().length() <= 20.0 + 1e-12);
+    }
+    let offset = both.offsets_mm[840];
+    assert!((offset.z + 10.0).abs() < 1e-12 && (offset.truncate().length() - 20.0).abs() < 1e-12);
+}
+
+#[test]
+fn lifting_the_finger_gives_the_surface_back_bit_for_bit() {
+    let skin = hill(30, 5.0);
+    let mut model = Fsmd::new(small());
+    let mut out = Displacement::at_rest(&skin);
+    let press = press_at_vertex(&skin, 480, 7.0, [6.0, 3.0]);
+    model.update(&skin, &[press], &mut out);
+    let mut were_drawn = out.touched.clone();
+    model.update(&skin, &[], &mut out);
+    assert!(same_bits(&out, &Displacement::at_rest(&skin)));
+    let mut drawn_again = out.touched.clone();
+    were_drawn.sort_unstable();
+    drawn_again.sort_unstable();
+    assert_eq!(drawn_again, were_drawn);
+    model.update(&skin, &[], &mut out);
+    assert!(out.touched.is_empty());
+}
+
+#[test]
+fn moving_the_whole_scene_moves_the_result_with_it() {
+    let skin = hill(30, 5.0);
+    let press = press_at_vertex(&skin, 480, 7.0, [6.0, 3.0]);
+    let beside = press_at_vertex(&skin, 500, 3.0, [-2.0, 3.0]);
+    let settings = Settings {
+        angle_rad: 0.3,
+        ..small()
+    };
+    let here = deformed(&skin, settings, &[press, beside]);
+    for (turn, shift) in [
+        (0.8_f64, Vec3::new(30.0, -70.0, 11.0)),
+        (3.0, Vec3::Z * 200.0),
+    ] {
+        // The ellipse is given on the map plane, so that it turns with a turn about z.
+        let turned = |p: Vec3| {
+            let (s, c) = turn.sin_cos();
+            Vec3::new(c * p.x - s * p.y, s * p.x + c * p.y, p.z)
+        };
+        let moved_skin = Surface::new(RawMesh {
+            positions: skin
+                .positions()
+                .iter()
+                .map(|p| turned(*p) + shift)
+                .collect(),
+            triangles: skin.triangles().to_vec(),
+        })
+        .unwrap()
+        .0;
+        let moved = |p: &Press| Press {
+            anchor_mm: turned(p.anchor_mm) + shift,
+            foot_mm: turned(p.foot_mm) + shift,
+            normal: turned(p.normal),
+            ..*p
+        };
+        let turned_settings = Settings {
+            angle_rad: 0.3 + turn,
+            ..settings
+        };
+        let there = deformed(
+            &moved_skin,
+            turned_settings,
+            &[moved(&press), moved(&beside)],
+        );
+        for v in 0..skin.positions().len() {
+            assert!((there.offsets_mm[v] - turned(here.offsets_mm[v])).length() < 1e-9);
+            assert!((there.normals[v] - turned(here.normals[v])).length() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn the_basic_circle_moves_with_any_turn_of_the_scene() {
+    let skin = hill(30, 5.0);
+    let settings = Settings {
+        half_minor_mm: 60.0,
+        ..small()
+    };
+    let press = press_at_vertex(&skin, 480, 7.0, [6.0, 3.0]);
+    let here = deformed(&skin, settings, &[press]);
+    let turn = |p: Vec3| Vec3::new(p.z, p.x, p.y);
+    let lying = Surface::new(RawMesh {
+        positions: skin.positions().iter().map(|p| turn(*p)).collect(),
+        triangles: skin.triangles().to_vec(),
+    })
+    .unwrap()
+    .0;
+    let moved = Press {
+        anchor_mm: turn(press.anchor_mm),
+        foot_mm: turn(press.foot_mm),
+        normal: turn(press.normal),
+        ..press
+    };
+    let there = deformed(&lying, settings, &[moved]);
+    for v in 0..skin.positions().len() {
+        assert!((there.offsets_mm[v] - turn(here.offsets_mm[v])).length() < 1e-9);
+    }
+}
+
+/// Normals by the documented formula over all triangles, written the long way.
+fn normals_by_definition(surface: &Surface, out: &Displacement) -> Vec<Vec3> {
+    let n = surface.positions().len();
+    let (mut at_rest, mut now) = (vec![Vec3::ZERO; n], vec![Vec3::ZERO; n]);
+    for corners in surface.triangles() {
+        let [a, b, c] = corners.map(|v| out.position(surface, v));
+        let [a0, b0, c0] = corners.map(|v| surface.positions()[v as usize]);
+        for &v in corners {
+            now[v as usize] += Triangle { a, b, c }.area_normal();
+            at_rest[v as usize] += Triangle {
+                a: a0,
+                b: b0,
+                c: c0,
+            }
+            .area_normal();
+        }
+    }
+    (0..n)
+        .map(|v| {
+            let rest = surface.normals()[v];
+            unit_or(rest * at_rest[v].length() + now[v] - at_rest[v], rest)
+        })
+        .collect()
+}
+
+#[test]
+fn normals_equal_those_recomputed_over_the_whole_surface() {
+    let skin = hill(40, 4.0);
+    let press = press_at_vertex(&skin, 840, 9.0, [10.0, -5.0]);
+    let out = deformed(&skin, small(), &[press]);
+    let expected = normals_by_definition(&skin, &out);
+    let positions: Vec<Vec3> = (0..skin.positions().len())
+        .map(|v| out.position(&skin, v as u32))
+        .collect();
+    let by_angle = dorsum::surface::vertex_normals(&positions, skin.triangles());
+    for v in 0..positions.len() {
+        assert!((out.normals[v] - expected[v]).length() < 1e-12);
+        assert!((out.normals[v].length() - 1.0).abs() < 1e-12);
+        let angle = out.normals[v].angle_between(by_angle[v]).to_degrees();
+        assert!(
+            angle < 12.0,
+            "vertex {v}: {angle}° off the angle-weighted normal"
+        );
+    }
+}
+
+#[test]
+fn shading_starts_from_the_normal_at_rest_without_a_jump() {
+    let skin = hill(40, 4.0);
+    let press = press_at_vertex(&skin, 840, 1e-7, [1e-7, 0.0]);
+    let out = deformed(&skin, small(), &[press]);
+    assert!(!out.moved.is_empty());
+    for v in 0..skin.positions().len() {
+        assert!((out.normals[v] - skin.normals()[v]).length() < 1e-6);
+    }
+}
+
+#[test]
+fn the_other_side_of_a_thin_fold_stays() {
+    // A strip folded over at x = 0 into two sheets 2 mm apart.
+    let n = 40;
+    let mut mesh = RawMesh::default();
+    for j in 0..=n {
+        for i in 0..=2 * n {
+            let s = (i as f64 - n as f64) * 3.0;
+            let z = if s < 0.0 { 2.0 } else { 0.0 };
+            mesh.positions
+                .push(Vec3::new(-s.abs(), j as f64 * 3.0, z - s.abs() * 1e-3));
+        }
+    }
+    let at = |i: usize, j: usize| (j * (2 * n + 1) + i) as u32;
+    for j in 0..n {
+        for i in 0..2 * n {
+            mesh.triangles
+                .push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+            mesh.triangles
+                .push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+        }
+    }
+    let skin = Surface::new(mesh).unwrap().0;
+    let vertex = at(20, 20);
+    let press = press_at_vertex(&skin, vertex, 5.0, [2.0, 0.0]);
+    let out = deformed(
+        &skin,
+        Settings {
+            half_major_mm: 30.0,
+            half_minor_mm: 30.0,
+            ..Settings::default()
+        },
+        &[press],
+    );
+    assert!(out.moved.len() > 100);
+    assert!(out.moved.iter().all(|&v| v as usize % (2 * n + 1) <= n));
+}
+
+#[test]
+fn settings_that_mean_nothing_move_nothing() {
+    let skin = hill(10, 5.0);
+    let press = press_at_vertex(&skin, 60, 5.0, [2.0, 0.0]);
+    for bad in [
+        0.0,
+        -1.0,
+        f64::NAN,
+        f64::INFINITY,
+        f64::MIN_POSITIVE,
+        f64::MAX,
+    ] {
+        let all_fields: [fn(&mut Settings) -> &mut f64; 7] = [
+            |s| &mut s.half_major_mm,
+            |s| &mut s.half_minor_mm,
+            |s| &mut s.angle_rad,
+            |s| &mut s.normal_scale_shallow,
+            |s| &mut s.normal_scale_deep,
+            |s| &mut s.max_normal_mm,
+            |s| &mut s.max_tangential_mm,
+        ];
+        for field in all_fields {
+            let mut settings = small();
+            *field(&mut settings) = bad;
+            let out = deformed(&skin, settings, &[press]);
+            assert!(out.offsets_mm.iter().all(|o| o.is_finite()), "{settings:?}");
+            assert!(out.normals.iter().all(|n| n.is_finite()), "{settings:?}");
+        }
+    }
+}
+
+/// Any press at all: on the skin, off it, broken.
+fn any_press() -> impl Strategy<Value = Press> {
+    let number = || {
+        prop_oneof![
+            8 => -200.0..200.0_f64,
+            1 => prop::num::f64::ANY,
+            1 => Just(f64::NAN),
+            1 => Just(f64::INFINITY),
+            1 => Just(1e300),
+        ]
+    };
+    let vector = move || [number(), number(), number()].prop_map(Vec3::from);
+    (
+        vector(),
+        vector(),
+        vector(),
+        number(),
+        prop_oneof![0..900_u32, Just(u32::MAX)],
+    )
+        .prop_map(|(anchor_mm, foot_mm, normal, depth_mm, triangle)| Press {
+            anchor_mm,
+            foot_mm,
+            normal,
+            depth_mm,
+            triangle,
+        })
+}
+
+fn press_on_hill() -> impl Strategy<Value = (u32, [f64; 2], f64, [f64; 2])> {
+    (
+        0..800_u32,
+        prop::array::uniform2(0.0..0.5_f64),
+        0.0..14.0_f64,
+        prop_oneof![Just([0.0, 0.0]), prop::array::uniform2(-25.0..25.0_f64)],
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn contract_every_model_stays_finite_and_still_without_presses(
+        presses in prop::collection::vec(any_press(), 0..4),
+    ) {
+        let skin = hill(20, 6.0);
+        for (name, make) in all() {
+            let mut model = make();
+            prop_assert_eq!(model.name(), *name);
+            let mut out = Displacement::at_rest(&skin);
+            model.update(&skin, &[], &mut out);
+            prop_assert!(out.touched.is_empty() && out.moved.is_empty());
+            model.update(&skin, &presses, &mut out);
+            prop_assert!(out.offsets_mm.iter().all(|o| o.is_finite()));
+            prop_assert!(out.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-9));
+            for (v, offset) in out.offsets_mm.iter().enumerate() {
+                prop_assert_eq!(out.moved.contains(&(v as u32)), *offset != Vec3::ZERO);
+            }
+            model.update(&skin, &[], &mut out);
+            prop_assert!(same_bits(&out, &Displacement::at_rest(&skin)));
+        }
+    }
+
+    #[test]
+    fn contract_an_update_equals_one_from_scratch_and_lists_exactly_what_changed(
+        steps in prop::collection::vec(prop::collection::vec(press_on_hill(), 0..3), 1..8),
+    ) {
+        let skin = hill(20, 6.0);
+        for (_, make) in all() {
+            let mut model = make();
+            let mut out = Displacement::at_rest(&skin);
+            for step in &steps {
+                let presses: Vec<Press> = step
+                    .iter()
+                    .map(|&(t, [u, v], depth, pull)| press_on(&skin, t, [1.0 - u - v, u, v], depth, pull))
+                    .collect();
+                let before = out.clone();
+                model.update(&skin, &presses, &mut out);
+                let mut scratch = Displacement::at_rest(&skin);
+                make().update(&skin, &presses, &mut scratch);
+                prop_assert!(same_bits(&out, &scratch));
+                let mut touched = out.touched.clone();
+                touched.sort_unstable();
+                let changed: Vec<u32> = (0..out.offsets_mm.len())
+                    .filter(|&v| {
+                        out.offsets_mm[v] != before.offsets_mm[v] || out.normals[v] != before.normals[v]
+                    })
+                    .map(|v| v as u32)
+                    .collect();
+                prop_assert_eq!(touched, changed);
+            }
+        }
+    }
+}
