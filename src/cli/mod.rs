@@ -3,8 +3,14 @@
 //! Exit codes: 0 done, 1 the thing checked does not hold, 2 bad usage or bad input. Errors are one line on stderr that
 //! names the cause and the remedy. With `--json` one JSON document stands on stdout and nothing else.
 
+mod common;
+mod run;
+mod scene;
+mod summary;
+
 use clap::{Parser, Subcommand};
 use std::fmt;
+use std::io::Write as _;
 
 /// How a subcommand ended when nothing was wrong with its input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,24 +51,45 @@ struct Arguments {
 }
 
 #[derive(Debug, Subcommand)]
-enum Command {}
+enum Command {
+    /// Run the servo loop with a scripted finger, without a window.
+    Run(run::RunArgs),
+    /// Tell what a scenario needs and what is left out, with bytes and µs.
+    Scene(scene::SceneArgs),
+}
+
+/// Prints a line, or several, on stdout. Whoever closed the pipe has read enough: that is no error.
+pub(crate) fn print(text: impl fmt::Display) {
+    let _ = writeln!(std::io::stdout().lock(), "{text}");
+}
 
 /// Prints `value` as one JSON document on stdout.
 ///
 /// # Errors
-/// Stdout is closed.
+/// A value that JSON cannot hold.
 pub fn print_json(value: &impl serde::Serialize) -> Result<(), CliError> {
-    let text = serde_json::to_string_pretty(value).map_err(CliError::input)?;
-    println!("{text}");
+    print(serde_json::to_string_pretty(value).map_err(CliError::input)?);
     Ok(())
 }
 
 /// Runs the program with the process's arguments and returns its exit code.
 pub fn main() -> u8 {
-    let arguments = Arguments::parse();
-    let outcome: Result<Outcome, CliError> = match arguments.command {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(e) if e.use_stderr() => {
+            eprintln!("dorsum: {}", usage_line(&e.to_string()));
+            return 2;
+        }
+        Err(help) => {
+            print(help.to_string().trim_end());
+            return 0;
+        }
+    };
+    let json = arguments.json;
+    let outcome = match &arguments.command {
         None => Ok(Outcome::Done),
-        Some(command) => match command {},
+        Some(Command::Run(args)) => run::run(args, json),
+        Some(Command::Scene(args)) => scene::run(args, json),
     };
     match outcome {
         Ok(Outcome::Done) => 0,
@@ -72,4 +99,10 @@ pub fn main() -> u8 {
             2
         }
     }
+}
+
+/// The first paragraph of a usage error, in one line.
+fn usage_line(error: &str) -> String {
+    let first = error.split("\n\n").next().unwrap_or_default().trim_start_matches("error: ");
+    format!("{}; see --help", first.split_whitespace().collect::<Vec<_>>().join(" "))
 }

@@ -1,0 +1,101 @@
+//! What several subcommands share: finding a scenario, building it, showing progress.
+
+use super::CliError;
+use crate::geom::Vec3;
+use crate::partition::{Partition as _, Sides};
+use crate::scenario::{self, Scenario, Scene, Use};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::path::Path;
+use std::sync::Arc;
+
+/// The scenario in the file `name`, or the embedded example of that name.
+pub(super) fn load_scenario(name: &str) -> Result<Scenario, CliError> {
+    let path = Path::new(name);
+    let embedded = scenario::examples()
+        .iter()
+        .find(|e| e.file == name || e.file.strip_suffix(".toml") == Some(name));
+    match embedded {
+        Some(example) if !path.exists() => {
+            Scenario::parse(example.text, example.file, None).map_err(CliError::input)
+        }
+        _ => Scenario::load(path).map_err(|e| {
+            if path.exists() {
+                return CliError::input(e);
+            }
+            let names: Vec<_> = scenario::examples().iter().map(|e| e.file).collect();
+            CliError::input(format!(
+                "{e}; give a scenario file or one of the examples {}",
+                names.join(", ")
+            ))
+        }),
+    }
+}
+
+/// Builds a scene, with a progress bar on a terminal.
+pub(super) fn build_scene(scenario: Scenario, purpose: Use) -> Result<Scene, CliError> {
+    let bar = progress_bar(100, "{msg:32} {bar:30} {percent:>3} %");
+    let built = scenario::build(Arc::new(scenario), purpose, &mut |what, fraction| {
+        bar.set_message(what.to_owned());
+        bar.set_position((fraction * 100.0) as u64);
+        true
+    });
+    bar.finish_and_clear();
+    built.map_err(CliError::input)
+}
+
+/// A progress bar on stderr; it hides itself when stderr is not a terminal.
+pub(super) fn progress_bar(length: u64, template: &str) -> ProgressBar {
+    let bar = ProgressBar::new(length);
+    let style =
+        ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    bar.set_style(style.progress_chars("━╸ "));
+    bar
+}
+
+/// Height of the skin over a place of the map plane, mm, seen from behind; `None` beside the surface.
+pub(super) fn height_mm(scene: &Scene, x: f64, y: f64) -> Option<f64> {
+    let bounds = scene.surface.bounds();
+    let (from, to) = (
+        Vec3::new(x, y, bounds.max.z + 1.0),
+        Vec3::new(x, y, bounds.min.z - 1.0),
+    );
+    scene
+        .touch
+        .search
+        .sweep(&scene.surface, from, to, Sides::Front)
+        .map(|hit| hit.point.z)
+}
+
+/// Where scripts press unless told otherwise, mm on the map plane: right of the middle, over the muscle of the built-in
+/// back beside the spine.
+pub(super) fn default_place(scene: &Scene) -> (f64, f64) {
+    let bounds = scene.surface.bounds();
+    (
+        bounds.centre().x + 0.08 * bounds.size().x,
+        bounds.centre().y,
+    )
+}
+
+/// Parses `x,y` in mm.
+pub(super) fn parse_place(text: &str) -> Result<(f64, f64), String> {
+    let numbers: Vec<f64> = text
+        .split(',')
+        .filter_map(|t| t.trim().parse().ok())
+        .filter(|x: &f64| x.is_finite())
+        .collect();
+    match numbers[..] {
+        [x, y] if text.split(',').count() == 2 => Ok((x, y)),
+        _ => Err(format!(
+            "\"{text}\" is not a place; two numbers x,y in mm are needed"
+        )),
+    }
+}
+
+/// A number of bytes for people.
+pub(super) fn bytes_text(bytes: usize) -> String {
+    match bytes {
+        0..10_000 => format!("{bytes} B"),
+        10_000..10_000_000 => format!("{:.1} kB", bytes as f64 / 1e3),
+        _ => format!("{:.1} MB", bytes as f64 / 1e6),
+    }
+}
