@@ -103,6 +103,13 @@ pub fn main() -> u8 {
 
 /// The first paragraph of a usage error, in one line.
 fn usage_line(error: &str) -> String {
-    let first = error.split("\n\n").next().unwrap_or_default().trim_start_matches("error: ");
-    format!("{}; see --help", first.split_whitespace().collect::<Vec<_>>().join(" "))
+    let first = error
+        .split("\n\n")
+        .next()
+        .unwrap_or_default()
+        .trim_start_matches("error: ");
+    format!(
+        "{}; see --help",
+        first.split_whitespace().collect::<Vec<_>>().join(" ")
+    )
 }

@@ -88,7 +88,11 @@ struct Printed {
 /// # Errors
 /// The scenario, the motion or the file to record into is refused.
 pub fn run(args: &RunArgs, json: bool) -> Result<Outcome, CliError> {
-    if let Some(path) = args.record.as_deref().filter(|p| !args.overwrite && p.exists()) {
+    if let Some(path) = args
+        .record
+        .as_deref()
+        .filter(|p| !args.overwrite && p.exists())
+    {
         let what = "is already there; choose another name or add --overwrite";
         return Err(CliError::input(format!("{}: {what}", path.display())));
     }

@@ -33,7 +33,11 @@ struct Printed<'a> {
 /// # Errors
 /// The scenario is refused.
 pub fn run(args: &SceneArgs, json: bool) -> Result<Outcome, CliError> {
-    let purpose = Use { fingers: 1, deformed: args.drawn, ..Use::default() };
+    let purpose = Use {
+        fingers: 1,
+        deformed: args.drawn,
+        ..Use::default()
+    };
     let scene = build_scene(load_scenario(&args.scenario)?, purpose)?;
     let mut ledger = scene.ledger.clone();
     measure(&scene, purpose, &mut ledger);
