@@ -6,9 +6,11 @@
 //! | [`command`] | what a user can ask for, and how panels ask for it |
 //! | [`panels`] | which panels there are |
 //! | [`history`] | the plotted past, in bounded memory |
+//! | [`camera`] | where the back is looked at from |
 //! | [`theme`] | every colour |
 //! | [`render`] | the skin on the graphics card; the only place for `f32` |
 
+pub mod camera;
 pub mod command;
 pub mod history;
 pub mod panels;

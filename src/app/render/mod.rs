@@ -1,1 +1,352 @@
 //! Drawing the skin with OpenGL. `f32` lives only here.
+//!
+//! | file | answers |
+//! |---|---|
+//! | [`mesh`] | the skin packed for the graphics card, and what of it changed |
+//! | [`shade`] | hollows, ridges and tone, baked per vertex |
+//! | `skin` | its buffers and drawing, wire overlay |
+//! | [`sphere`], [`arrow`], [`solid`] | fingers and forces |
+//! | [`light`] | eye and lights |
+//! | `target` | the picture's own multisampled framebuffer |
+//! | `gl` | programs, vertex arrays |
+//! | [`pixels`] | between the window's `f32` points and the program's `f64` |
+//!
+//! The window hands in a [`Picture`] (a plain value) and a [`mesh::SkinMesh`]; [`Renderer::paint`] draws them into a
+//! texture of its own when either changed and puts that texture onto the window.
+#![allow(unsafe_code)] // OpenGL is a C interface; see `gl`.
+
+pub mod arrow;
+mod gl;
+pub mod light;
+pub mod mesh;
+pub mod pixels;
+pub mod shade;
+mod skin;
+pub mod solid;
+pub mod sphere;
+mod target;
+
+use crate::app::camera::Camera;
+use crate::geom::{Aabb, Vec2};
+use arrow::Arrow;
+use eframe::glow::{self, HasContext as _};
+use gl::{Program, VertexArray, attribute};
+use light::Light;
+use mesh::SkinMesh;
+use skin::{Skin, SkinPrograms};
+use solid::{SolidVertex, Solids};
+use sphere::Sphere;
+use target::Target;
+
+/// Colours of a picture, sRGB.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Palette {
+    /// Whether the window is dark.
+    pub dark: bool,
+    /// The floor behind the skin, at the top.
+    pub floor_top: [u8; 3],
+    /// The same at the bottom.
+    pub floor_bottom: [u8; 3],
+    /// Edges of the wire overlay.
+    pub wire: [u8; 3],
+}
+
+/// Everything to be drawn besides the skin itself. Two equal pictures of one skin look the same.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Where from.
+    pub camera: Camera,
+    /// Size, pixels.
+    pub size_px: [u32; 2],
+    /// What must not be cut off in depth, mm.
+    pub bounds: Aabb,
+    /// Colours.
+    pub palette: Palette,
+    /// Whether edges are drawn over the skin.
+    pub wireframe: bool,
+    /// The fingers. The first four cast a shadow.
+    pub spheres: Vec<Sphere>,
+    /// The forces.
+    pub arrows: Vec<Arrow>,
+}
+
+impl Picture {
+    /// Size, pixels.
+    pub fn size(&self) -> Vec2 {
+        Vec2::new(f64::from(self.size_px[0]), f64::from(self.size_px[1]))
+    }
+
+    /// Pixels per mm at the depth of the camera's target.
+    pub fn target_px_per_mm(&self) -> f64 {
+        self.camera.px_per_mm(self.camera.target_mm, self.size().y)
+    }
+}
+
+/// What the last call of [`Renderer::paint`] did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Painted {
+    /// Whether the skin was drawn anew; otherwise the kept texture was shown.
+    pub drawn: bool,
+    /// Vertices sent to the graphics card, without a first whole upload.
+    pub uploaded_vertices: usize,
+    /// Samples per pixel.
+    pub samples: i32,
+}
+
+/// All OpenGL objects of one Back view. Belongs to the context it was made with.
+#[derive(Debug)]
+pub struct Renderer {
+    floor: Program,
+    present: Program,
+    solid: Program,
+    skin_programs: SkinPrograms,
+    empty: VertexArray,
+    solid_array: VertexArray,
+    solids: Solids,
+    skin: Option<Skin>,
+    target: Option<Target>,
+    max_samples: i32,
+    shown: Option<Picture>,
+}
+
+impl Renderer {
+    /// Compiles the programs. The context must be current.
+    ///
+    /// # Errors
+    /// What the driver says, in one line fit to be shown.
+    pub fn new(gl: &glow::Context) -> Result<Self, String> {
+        let empty = VertexArray::new(gl, 0)?;
+        let solid_array = VertexArray::new(gl, 2)?;
+        let stride = size_of::<SolidVertex>();
+        // SAFETY: the context is current; array and buffers are its own and bound before attributes are declared.
+        let max_samples = unsafe {
+            gl.bind_vertex_array(Some(solid_array.vao));
+            gl.bind_buffer(glow::ARRAY_BUFFER, Some(solid_array.buffers[0]));
+            attribute(gl, 0, 3, glow::FLOAT, stride, 0);
+            attribute(gl, 1, 3, glow::FLOAT, stride, 12);
+            attribute(gl, 2, 4, glow::UNSIGNED_BYTE, stride, 24);
+            gl.bind_buffer(glow::ELEMENT_ARRAY_BUFFER, Some(solid_array.buffers[1]));
+            gl.bind_vertex_array(None);
+            gl.get_parameter_i32(glow::MAX_SAMPLES)
+        };
+        Ok(Self {
+            floor: Program::new(
+                gl,
+                "floor",
+                include_str!("shaders/floor.vert"),
+                include_str!("shaders/floor.frag"),
+            )?,
+            present: Program::new(
+                gl,
+                "present",
+                include_str!("shaders/floor.vert"),
+                include_str!("shaders/present.frag"),
+            )?,
+            solid: Program::new(
+                gl,
+                "solid",
+                include_str!("shaders/solid.vert"),
+                include_str!("shaders/solid.frag"),
+            )?,
+            skin_programs: SkinPrograms::new(gl)?,
+            empty,
+            solid_array,
+            solids: Solids::default(),
+            skin: None,
+            target: None,
+            max_samples,
+            shown: None,
+        })
+    }
+
+    /// Shows `picture` of `mesh` in the current viewport and scissor of the current framebuffer.
+    ///
+    /// Draws only when something changed since the last call. Leaves framebuffer, viewport and scissor as they were,
+    /// depth test and face culling off; program, buffers and blending are the caller's to set again.
+    ///
+    /// # Errors
+    /// The driver refuses a buffer or framebuffer.
+    pub fn paint(
+        &mut self,
+        gl: &glow::Context,
+        picture: &Picture,
+        mesh: &mut SkinMesh,
+    ) -> Result<Painted, String> {
+        let size_px = picture.size_px.map(|n| n.clamp(1, 16_384));
+        let mut viewport = [0; 4];
+        // SAFETY: the context is current; `viewport` holds the four numbers that GL writes.
+        let window = unsafe {
+            gl.get_parameter_i32_slice(glow::VIEWPORT, &mut viewport);
+            gl.get_parameter_framebuffer(glow::DRAW_FRAMEBUFFER_BINDING)
+        };
+        let outcome = self.draw_if_changed(gl, picture, mesh, size_px);
+        // SAFETY: as above; the window's state is put back also after a failure.
+        unsafe {
+            gl.bind_framebuffer(glow::FRAMEBUFFER, window);
+            gl.viewport(viewport[0], viewport[1], viewport[2], viewport[3]);
+            gl.enable(glow::SCISSOR_TEST);
+            gl.disable(glow::DEPTH_TEST);
+            gl.disable(glow::CULL_FACE);
+        }
+        let painted = outcome?;
+        self.present(gl);
+        Ok(painted)
+    }
+
+    fn draw_if_changed(
+        &mut self,
+        gl: &glow::Context,
+        picture: &Picture,
+        mesh: &mut SkinMesh,
+        size_px: [u32; 2],
+    ) -> Result<Painted, String> {
+        let mut changed = self.shown.as_ref() != Some(picture) || mesh.has_changes();
+        let mut uploaded_vertices = 0;
+        match &mut self.skin {
+            Some(skin) if skin.mesh_id() == mesh.id() => {
+                if mesh.has_changes() {
+                    uploaded_vertices = skin.upload_changes(gl, mesh);
+                }
+            }
+            old => {
+                if let Some(old) = old.take() {
+                    old.delete(gl);
+                }
+                self.skin = Some(Skin::new(gl, mesh)?);
+                changed = true;
+            }
+        }
+        if self.target.as_ref().map(Target::size_px) != Some(size_px) {
+            if let Some(old) = self.target.take() {
+                old.delete(gl);
+            }
+            self.target = Some(Target::new(gl, size_px, self.max_samples.min(4))?);
+            changed = true;
+        }
+        let Some(target) = &self.target else {
+            return Ok(Painted::default());
+        };
+        let painted = Painted {
+            drawn: changed,
+            uploaded_vertices,
+            samples: target.samples(),
+        };
+        if !changed {
+            return Ok(painted);
+        }
+        self.shown = None;
+        target.begin(gl);
+        self.draw_floor(gl, &picture.palette);
+        let light = Light::of(picture);
+        self.upload_solids(gl, picture);
+        if let Some(skin) = &mut self.skin {
+            skin.draw(gl, &self.skin_programs, picture, &light);
+            if picture.wireframe {
+                skin.draw_wire(gl, &self.skin_programs, picture, &light, mesh)?;
+            }
+        }
+        self.draw_solids(gl, &light);
+        if let Some(target) = &self.target {
+            target.resolve(gl);
+        }
+        self.shown = Some(picture.clone());
+        Ok(painted)
+    }
+
+    fn draw_floor(&self, gl: &glow::Context, palette: &Palette) {
+        let program = self.floor.bind(gl);
+        let unit = |c: [u8; 3]| c.map(|x| f32::from(x) / 255.0);
+        program.vec3("u_top", unit(palette.floor_top));
+        program.vec3("u_bottom", unit(palette.floor_bottom));
+        program.float("u_glow", if palette.dark { 0.035 } else { 0.02 });
+        // SAFETY: the context is current; three vertices without attributes.
+        unsafe {
+            gl.disable(glow::DEPTH_TEST);
+            gl.disable(glow::BLEND);
+            gl.disable(glow::CULL_FACE);
+            gl.bind_vertex_array(Some(self.empty.vao));
+            gl.draw_arrays(glow::TRIANGLES, 0, 3);
+            gl.bind_vertex_array(None);
+        }
+    }
+
+    fn upload_solids(&mut self, gl: &glow::Context, picture: &Picture) {
+        self.solids.clear();
+        for sphere in &picture.spheres {
+            sphere.add_to(&mut self.solids);
+        }
+        for arrow in &picture.arrows {
+            arrow.add_to(&mut self.solids);
+        }
+        // SAFETY: the context is current and the buffers are its own. The index buffer is part of the vertex array.
+        unsafe {
+            gl.bind_vertex_array(Some(self.solid_array.vao));
+            gl.bind_buffer(glow::ARRAY_BUFFER, Some(self.solid_array.buffers[0]));
+            gl.buffer_data_u8_slice(
+                glow::ARRAY_BUFFER,
+                bytemuck::cast_slice(&self.solids.vertices),
+                glow::STREAM_DRAW,
+            );
+            gl.buffer_data_u8_slice(
+                glow::ELEMENT_ARRAY_BUFFER,
+                bytemuck::cast_slice(&self.solids.indices),
+                glow::STREAM_DRAW,
+            );
+            gl.bind_vertex_array(None);
+        }
+    }
+
+    fn draw_solids(&self, gl: &glow::Context, light: &Light) {
+        if self.solids.indices.is_empty() {
+            return;
+        }
+        let program = self.solid.bind(gl);
+        light.set(&program);
+        // SAFETY: the context is current and every index was made with its vertex.
+        unsafe {
+            gl.enable(glow::DEPTH_TEST);
+            gl.depth_func(glow::LESS);
+            gl.disable(glow::BLEND);
+            gl.bind_vertex_array(Some(self.solid_array.vao));
+            gl.draw_elements(
+                glow::TRIANGLES,
+                self.solids.indices.len() as i32,
+                glow::UNSIGNED_INT,
+                0,
+            );
+            gl.bind_vertex_array(None);
+        }
+    }
+
+    fn present(&self, gl: &glow::Context) {
+        let Some(target) = &self.target else { return };
+        let program = self.present.bind(gl);
+        program.int("u_picture", 0);
+        // SAFETY: the context is current; three vertices without attributes.
+        unsafe {
+            gl.disable(glow::BLEND);
+            gl.active_texture(glow::TEXTURE0);
+            gl.bind_texture(glow::TEXTURE_2D, Some(target.texture()));
+            gl.bind_vertex_array(Some(self.empty.vao));
+            gl.draw_arrays(glow::TRIANGLES, 0, 3);
+            gl.bind_vertex_array(None);
+            gl.bind_texture(glow::TEXTURE_2D, None);
+        }
+    }
+
+    /// Frees every OpenGL object. The context must be current.
+    pub fn delete(self, gl: &glow::Context) {
+        self.empty.delete(gl);
+        self.solid_array.delete(gl);
+        if let Some(skin) = self.skin {
+            skin.delete(gl);
+        }
+        if let Some(target) = self.target {
+            target.delete(gl);
+        }
+        for program in [self.floor, self.present, self.solid] {
+            program.delete(gl);
+        }
+        self.skin_programs.delete(gl);
+    }
+}

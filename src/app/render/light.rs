@@ -1,0 +1,62 @@
+//! Eye and lights of one picture, as the shaders take them. The lights hang from the camera: relief reads from every side.
+
+use super::Picture;
+use super::gl::Bound;
+use crate::geom::{Vec3, unit_or};
+
+/// Eye, matrix and lights, rounded.
+#[derive(Clone, Copy, Debug)]
+pub struct Light {
+    clip_from_subject: [f32; 16],
+    eye: [f32; 4],
+    key: [f32; 3],
+    fill: [f32; 3],
+    rim: [f32; 3],
+}
+
+impl Light {
+    /// For one picture.
+    pub fn of(picture: &Picture) -> Self {
+        let camera = &picture.camera;
+        let b = camera.basis();
+        let from_camera = |right: f64, up: f64, back: f64| {
+            unit_or(b.right * right + b.up * up + b.back * back, b.back)
+                .to_array()
+                .map(|x| x as f32)
+        };
+        let eye = match camera.projection {
+            crate::app::camera::Projection::Perspective => camera.eye_mm().extend(1.0),
+            crate::app::camera::Projection::Orthographic => b.back.extend(0.0),
+        };
+        Self {
+            clip_from_subject: camera
+                .clip_from_subject(picture.size(), &picture.bounds)
+                .to_cols_array()
+                .map(|x| x as f32),
+            eye: eye.to_array().map(|x| x as f32),
+            // The key grazes: a slope of one degree changes its light by two per cent.
+            key: from_camera(-0.72, 0.52, 0.52),
+            fill: from_camera(0.80, 0.05, 0.60),
+            rim: from_camera(0.65, 0.45, -0.60),
+        }
+    }
+
+    /// Sets everything.
+    pub fn set(&self, program: &Bound<'_>) {
+        self.set_matrix(program);
+        program.vec4s("u_eye", &[self.eye]);
+        program.vec3("u_key", self.key);
+        program.vec3("u_fill", self.fill);
+        program.vec3("u_rim", self.rim);
+    }
+
+    /// Sets the matrix only.
+    pub fn set_matrix(&self, program: &Bound<'_>) {
+        program.mat4("u_clip_from_subject", &self.clip_from_subject);
+    }
+
+    /// Direction to the key light, for tests.
+    pub fn key(&self) -> Vec3 {
+        Vec3::from_array(self.key.map(f64::from))
+    }
+}

@@ -1,0 +1,239 @@
+//! What light the shape of the rest surface keeps out, and where the skin is a little redder: baked once per vertex.
+//!
+//! *Openness* is the mean, over the surface around a vertex, of how far its neighbourhood lies below the tangent plane,
+//! as a sine: positive on a ridge, negative in a hollow. It is a first-order ambient occlusion that also brightens
+//! ridges (in the spirit of accessibility shading, Miller 1994) and, unlike rays, needs no sampling noise to be hidden. Two
+//! widths are added: the furrow and the shoulder blades (45 mm), spinous bumps and dimples (14 mm).
+
+use super::mesh::Shade;
+use crate::geom::{Vec3, unit_or};
+use crate::surface::Surface;
+use std::collections::BTreeMap;
+
+/// Standard deviation of the neighbourhood (mm) and weight of its openness in the baked byte.
+const WIDTHS: [(f64, f64); 2] = [(45.0, 2.1), (14.0, 2.6)];
+/// Cells per standard deviation of the summary that stands for the surface around.
+const CELLS_PER_WIDTH: f64 = 2.5;
+
+/// Bakes every vertex on up to `n_threads` threads. The result does not depend on how many.
+///
+/// Cost: some 200 cell visits per vertex, measured 0.9 µs per vertex and thread; linear in the number of vertices.
+pub fn bake(surface: &Surface, n_threads: usize) -> Vec<Shade> {
+    let summaries: Vec<Summary> = WIDTHS
+        .iter()
+        .map(|&(width, _)| Summary::new(surface, width))
+        .collect();
+    let n = surface.positions().len();
+    let mut shade = vec![super::mesh::PLAIN_SHADE; n];
+    let chunk = n.div_ceil(n_threads.max(1)).max(1);
+    std::thread::scope(|scope| {
+        for (k, part) in shade.chunks_mut(chunk).enumerate() {
+            let summaries = &summaries;
+            let mut work = move || {
+                let mut scratch = WIDTHS.map(|_| Near::default());
+                for (i, out) in part.iter_mut().enumerate() {
+                    *out = bake_one(surface, k * chunk + i, summaries, &mut scratch);
+                }
+            };
+            if n_threads <= 1 {
+                work();
+            } else {
+                scope.spawn(work);
+            }
+        }
+    });
+    shade
+}
+
+fn bake_one(
+    surface: &Surface,
+    i: usize,
+    summaries: &[Summary],
+    scratch: &mut [Near; WIDTHS.len()],
+) -> Shade {
+    let (p, n) = (surface.positions()[i], surface.normals()[i]);
+    let open: f64 = summaries
+        .iter()
+        .zip(WIDTHS)
+        .zip(scratch)
+        .map(|((summary, (_, weight)), near)| weight * summary.openness(p, n, near))
+        .sum();
+    let warm = value_noise(p / 46.0) * 0.65 + value_noise(p / 17.0 + Vec3::splat(9.7)) * 0.35;
+    let light =
+        value_noise(p / 80.0 + Vec3::splat(31.3)) * 0.6 + value_noise(p / 9.0 - Vec3::X) * 0.4;
+    let byte = |x: f64| (x.clamp(0.0, 1.0) * 255.0).round() as u8;
+    [byte(0.5 + open), byte(warm), byte(light), 255]
+}
+
+/// The surface summed up in the cells of a cubic grid: area and centroid each.
+struct Summary {
+    width_mm: f64,
+    cell_mm: f64,
+    cells: BTreeMap<[i32; 3], Patch>,
+}
+
+#[derive(Clone, Copy, Default)]
+struct Patch {
+    area_mm2: f64,
+    moment: Vec3,
+    area_normal: Vec3,
+}
+
+/// Patches around one cell, kept from vertex to vertex: neighbours in the list mostly share the cell.
+#[derive(Default)]
+struct Near {
+    cell: Option<[i32; 3]>,
+    patches: Vec<(Vec3, Vec3, f64)>,
+}
+
+impl Summary {
+    fn new(surface: &Surface, width_mm: f64) -> Self {
+        let cell_mm = width_mm / CELLS_PER_WIDTH;
+        let mut cells: BTreeMap<[i32; 3], Patch> = BTreeMap::new();
+        for t in 0..surface.triangles().len() as u32 {
+            let triangle = surface.triangle(t);
+            let centre = triangle.centroid();
+            let normal = triangle.area_normal() / 2.0;
+            let area = normal.length();
+            let patch = cells.entry(cell_of(centre, cell_mm)).or_default();
+            patch.area_mm2 += area;
+            patch.moment += centre * area;
+            patch.area_normal += normal;
+        }
+        Self {
+            width_mm,
+            cell_mm,
+            cells,
+        }
+    }
+
+    /// −1…1: mean sine of the angle by which the surface around `p` lies below the plane with normal `n`.
+    fn openness(&self, p: Vec3, n: Vec3, near: &mut Near) -> f64 {
+        let cell = cell_of(p, self.cell_mm);
+        if near.cell != Some(cell) {
+            near.cell = Some(cell);
+            self.gather(cell, &mut near.patches);
+        }
+        let (mut sum, mut weight) = (0.0, 0.0);
+        let per_width = 0.5 / (self.width_mm * self.width_mm);
+        for &(centre, normal, area) in &near.patches {
+            let d = centre - p;
+            // What faces away belongs to another side of the body.
+            let facing = n.dot(normal).max(0.0);
+            let w = area * facing * (-d.length_squared() * per_width).exp();
+            let length = d.length().max(0.35 * self.cell_mm);
+            sum -= w * n.dot(d) / length;
+            weight += w;
+        }
+        if weight > 0.0 { sum / weight } else { 0.0 }
+    }
+
+    fn gather(&self, cell: [i32; 3], patches: &mut Vec<(Vec3, Vec3, f64)>) {
+        patches.clear();
+        let reach = (2.0 * CELLS_PER_WIDTH).ceil() as i32;
+        for x in cell[0] - reach..=cell[0] + reach {
+            for y in cell[1] - reach..=cell[1] + reach {
+                let column = [x, y, cell[2] - reach]..=[x, y, cell[2] + reach];
+                for patch in self.cells.range(column).map(|(_, p)| p) {
+                    if patch.area_mm2 > 0.0 {
+                        patches.push((
+                            patch.moment / patch.area_mm2,
+                            unit_or(patch.area_normal, Vec3::ZERO),
+                            patch.area_mm2,
+                        ));
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn cell_of(p: Vec3, cell_mm: f64) -> [i32; 3] {
+    (p / cell_mm).floor().to_array().map(|x| x as i32)
+}
+
+/// Smooth noise in 0…1 with one bump per unit length.
+fn value_noise(p: Vec3) -> f64 {
+    let base = p.floor();
+    let f = p - base;
+    let f = f * f * (Vec3::splat(3.0) - 2.0 * f);
+    let corner = base.to_array().map(|x| x as i64);
+    let mut sum = 0.0;
+    for k in 0..8_i64 {
+        let bit = [k & 1, k >> 1 & 1, k >> 2];
+        let w = (0..3)
+            .map(|a| if bit[a] == 1 { f[a] } else { 1.0 - f[a] })
+            .product::<f64>();
+        sum += w * hashed([0, 1, 2].map(|a| corner[a] + bit[a]));
+    }
+    sum
+}
+
+/// A number in 0…1 for a lattice point (finaliser of SplitMix64; Steele et al. 2014).
+fn hashed(lattice: [i64; 3]) -> f64 {
+    let mut z = lattice.iter().fold(0x9e37_79b9_7f4a_7c15_u64, |h, &x| {
+        (h ^ x as u64).wrapping_mul(0xbf58_476d_1ce4_e5b9)
+    });
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    (z ^ (z >> 31)) as f64 / u64::MAX as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::RawMesh;
+
+    /// A 200 mm square of height `z(x, y)`, 5 mm spacing.
+    fn sheet(z: impl Fn(f64, f64) -> f64) -> Surface {
+        let n = 40;
+        let mut raw = RawMesh::default();
+        for j in 0..=n {
+            for i in 0..=n {
+                let (x, y) = (f64::from(i) * 5.0 - 100.0, f64::from(j) * 5.0 - 100.0);
+                raw.positions.push(Vec3::new(x, y, z(x, y)));
+            }
+        }
+        let at = |i: i32, j: i32| (j * (n + 1) + i) as u32;
+        for j in 0..n {
+            for i in 0..n {
+                raw.triangles
+                    .push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+                raw.triangles
+                    .push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+            }
+        }
+        Surface::new(raw).unwrap().0
+    }
+
+    fn near(surface: &Surface, x: f64, y: f64) -> usize {
+        (0..surface.positions().len())
+            .min_by(|&a, &b| {
+                let d = |i: usize| (surface.positions()[i] - Vec3::new(x, y, 0.0)).length();
+                d(a).total_cmp(&d(b))
+            })
+            .unwrap()
+    }
+
+    #[test]
+    fn a_plane_is_neither_hollow_nor_ridge() {
+        let s = sheet(|_, _| 0.0);
+        let shade = bake(&s, 1);
+        assert!(shade.iter().all(|b| (126..=129).contains(&b[0])));
+    }
+
+    #[test]
+    fn a_furrow_is_darker_than_the_ridges_beside_it() {
+        let s = sheet(|x, _| 6.0 * (x / 30.0).cos().abs());
+        let shade = bake(&s, 1);
+        let floor = shade[near(&s, 45.0, 0.0)][0];
+        let crest = shade[near(&s, 0.0, 0.0)][0];
+        assert!(floor < 110 && crest > 146, "floor {floor}, crest {crest}");
+    }
+
+    #[test]
+    fn the_result_does_not_depend_on_the_number_of_threads() {
+        let s = sheet(|x, y| 5.0 * (x / 20.0).sin() * (y / 25.0).cos());
+        assert_eq!(bake(&s, 1), bake(&s, 3));
+    }
+}

@@ -1,0 +1,275 @@
+//! The skin's buffers on the graphics card, and its drawing: shaded surface and wire overlay.
+#![allow(unsafe_code)] // OpenGL is a C interface; see `gl`.
+
+use super::Picture;
+use super::gl::{Program, VertexArray, attribute};
+use super::light::Light;
+use super::mesh::{PLAIN_SHADE, SkinMesh, SkinVertex, edges};
+use eframe::glow::{self, HasContext as _};
+use std::ops::Range;
+
+/// Programs for the skin; made once per context.
+#[derive(Debug)]
+pub struct SkinPrograms {
+    skin: Program,
+    wire: Program,
+}
+
+impl SkinPrograms {
+    /// Compiles them.
+    ///
+    /// # Errors
+    /// What the driver's compiler says.
+    pub fn new(gl: &glow::Context) -> Result<Self, String> {
+        Ok(Self {
+            skin: Program::new(
+                gl,
+                "skin",
+                include_str!("shaders/skin.vert"),
+                include_str!("shaders/skin.frag"),
+            )?,
+            wire: Program::new(
+                gl,
+                "wire",
+                include_str!("shaders/wire.vert"),
+                include_str!("shaders/wire.frag"),
+            )?,
+        })
+    }
+
+    /// Frees them.
+    pub fn delete(self, gl: &glow::Context) {
+        self.skin.delete(gl);
+        self.wire.delete(gl);
+    }
+}
+
+const VERTICES: usize = 0;
+const SHADE: usize = 1;
+const TRIANGLES: usize = 2;
+
+/// One skin on the graphics card.
+#[derive(Debug)]
+pub struct Skin {
+    mesh_id: u64,
+    array: VertexArray,
+    n_indices: i32,
+    /// Made when the wire is first shown: most scenes never ask for it.
+    wire: Option<(VertexArray, i32)>,
+    mean_edge_mm: f64,
+    runs: Vec<Range<u32>>,
+}
+
+impl Skin {
+    /// Uploads `mesh` whole.
+    ///
+    /// # Errors
+    /// The mesh is too large for 32-bit offsets, or the driver is out of handles.
+    pub fn new(gl: &glow::Context, mesh: &mut SkinMesh) -> Result<Self, String> {
+        let surface = mesh.surface().clone();
+        let n_indices = i32::try_from(surface.triangles().len() * 3)
+            .ok()
+            .filter(|_| size_of_val(mesh.vertices()) < i32::MAX as usize)
+            .ok_or("the mesh is too large to be drawn: at most 100 million vertices")?;
+        let array = VertexArray::new(gl, 3)?;
+        let plain;
+        let shade = match mesh.shade() {
+            Some(shade) => shade,
+            None => {
+                plain = vec![PLAIN_SHADE; mesh.vertices().len()];
+                &plain
+            }
+        };
+        let stride = size_of::<SkinVertex>();
+        // SAFETY: the context is current; array and buffers are its own and bound before attributes are declared.
+        unsafe {
+            gl.bind_vertex_array(Some(array.vao));
+            gl.bind_buffer(glow::ARRAY_BUFFER, Some(array.buffers[VERTICES]));
+            gl.buffer_data_u8_slice(
+                glow::ARRAY_BUFFER,
+                bytemuck::cast_slice(mesh.vertices()),
+                glow::DYNAMIC_DRAW,
+            );
+            attribute(gl, 0, 3, glow::FLOAT, stride, 0);
+            attribute(gl, 1, 4, glow::SHORT, stride, 12);
+            gl.bind_buffer(glow::ARRAY_BUFFER, Some(array.buffers[SHADE]));
+            gl.buffer_data_u8_slice(
+                glow::ARRAY_BUFFER,
+                bytemuck::cast_slice(shade),
+                glow::STATIC_DRAW,
+            );
+            attribute(gl, 2, 4, glow::UNSIGNED_BYTE, 4, 0);
+            gl.bind_buffer(glow::ELEMENT_ARRAY_BUFFER, Some(array.buffers[TRIANGLES]));
+            gl.buffer_data_u8_slice(
+                glow::ELEMENT_ARRAY_BUFFER,
+                bytemuck::cast_slice(surface.triangles()),
+                glow::STATIC_DRAW,
+            );
+            gl.bind_vertex_array(None);
+        }
+        let mut runs = Vec::new();
+        mesh.take_changed(&mut runs);
+        let _ = mesh.take_shade();
+        Ok(Self {
+            mesh_id: mesh.id(),
+            array,
+            n_indices,
+            wire: None,
+            mean_edge_mm: mean_edge_mm(&surface),
+            runs,
+        })
+    }
+
+    /// Which mesh it holds.
+    pub fn mesh_id(&self) -> u64 {
+        self.mesh_id
+    }
+
+    /// Uploads what changed in the mesh it was made from; returns how many vertices went up.
+    pub fn upload_changes(&mut self, gl: &glow::Context, mesh: &mut SkinMesh) -> usize {
+        mesh.take_changed(&mut self.runs);
+        // SAFETY: as in `new`; every run lies within the buffer, which has one entry per vertex of the same mesh.
+        unsafe {
+            if !self.runs.is_empty() {
+                gl.bind_buffer(glow::ARRAY_BUFFER, Some(self.array.buffers[VERTICES]));
+                for run in &self.runs {
+                    let part = &mesh.vertices()[run.start as usize..run.end as usize];
+                    let offset = run.start as usize * size_of::<SkinVertex>();
+                    gl.buffer_sub_data_u8_slice(
+                        glow::ARRAY_BUFFER,
+                        offset as i32,
+                        bytemuck::cast_slice(part),
+                    );
+                }
+            }
+            if let Some(shade) = mesh.take_shade() {
+                gl.bind_buffer(glow::ARRAY_BUFFER, Some(self.array.buffers[SHADE]));
+                gl.buffer_sub_data_u8_slice(glow::ARRAY_BUFFER, 0, bytemuck::cast_slice(shade));
+            }
+            gl.bind_buffer(glow::ARRAY_BUFFER, None);
+        }
+        self.runs.iter().map(|run| run.len()).sum()
+    }
+
+    /// Draws the shaded surface on the bound framebuffer.
+    pub fn draw(
+        &self,
+        gl: &glow::Context,
+        programs: &SkinPrograms,
+        picture: &Picture,
+        light: &Light,
+    ) {
+        let program = programs.skin.bind(gl);
+        light.set(&program);
+        program.vec3(
+            "u_albedo",
+            if picture.palette.dark {
+                [0.545, 0.372, 0.290]
+            } else {
+                [0.575, 0.398, 0.312]
+            },
+        );
+        program.float("u_exposure", if picture.palette.dark { 0.94 } else { 1.06 });
+        // Pores are about 1 mm apart: they fade in between 3 and 7 pixels.
+        let px = picture.target_px_per_mm();
+        program.float("u_pores", ((px - 3.0) / 4.0).clamp(0.0, 1.0) as f32);
+        let fingers: Vec<[f32; 4]> = picture
+            .spheres
+            .iter()
+            .take(4)
+            .map(|s| s.centre_mm.extend(s.radius_mm).to_array().map(|x| x as f32))
+            .collect();
+        program.vec4s("u_fingers", &fingers);
+        program.int("u_n_fingers", fingers.len() as i32);
+        // SAFETY: the context is current and every index lies within the vertex buffer (a `Surface` guarantees it).
+        unsafe {
+            gl.disable(glow::BLEND);
+            gl.enable(glow::DEPTH_TEST);
+            gl.depth_func(glow::LESS);
+            gl.bind_vertex_array(Some(self.array.vao));
+            gl.draw_elements(glow::TRIANGLES, self.n_indices, glow::UNSIGNED_INT, 0);
+            gl.bind_vertex_array(None);
+        }
+    }
+
+    /// Draws the edges over it, fainter the closer they stand on the screen.
+    ///
+    /// # Errors
+    /// The driver is out of handles.
+    pub fn draw_wire(
+        &mut self,
+        gl: &glow::Context,
+        programs: &SkinPrograms,
+        picture: &Picture,
+        light: &Light,
+        mesh: &SkinMesh,
+    ) -> Result<(), String> {
+        if self.wire.is_none() {
+            self.wire = Some(self.make_wire(gl, mesh)?);
+        }
+        let Some((array, n)) = &self.wire else {
+            return Ok(());
+        };
+        // Below about two pixels an edge is a veil, not a line.
+        let apart_px = self.mean_edge_mm * picture.target_px_per_mm();
+        let strength = ((apart_px - 1.5) / 7.0).clamp(0.06, 1.0) as f32;
+        let program = programs.wire.bind(gl);
+        light.set_matrix(&program);
+        let [r, g, b] = picture.palette.wire.map(|c| f32::from(c) / 255.0);
+        program.vec4s("u_color", &[[r, g, b, 0.42 * strength]]);
+        // SAFETY: as in `draw`.
+        unsafe {
+            gl.enable(glow::BLEND);
+            gl.blend_equation(glow::FUNC_ADD);
+            gl.blend_func(glow::SRC_ALPHA, glow::ONE_MINUS_SRC_ALPHA);
+            gl.enable(glow::DEPTH_TEST);
+            gl.depth_func(glow::LEQUAL);
+            gl.depth_mask(false);
+            gl.bind_vertex_array(Some(array.vao));
+            gl.draw_elements(glow::LINES, *n, glow::UNSIGNED_INT, 0);
+            gl.bind_vertex_array(None);
+            gl.depth_mask(true);
+            gl.disable(glow::BLEND);
+        }
+        Ok(())
+    }
+
+    /// A vertex array of its own over the skin's vertices, with the edges for indices.
+    fn make_wire(&self, gl: &glow::Context, mesh: &SkinMesh) -> Result<(VertexArray, i32), String> {
+        let edges = edges(mesh.surface());
+        let array = VertexArray::new(gl, 1)?;
+        // SAFETY: as in `new`.
+        unsafe {
+            gl.bind_vertex_array(Some(array.vao));
+            gl.bind_buffer(glow::ARRAY_BUFFER, Some(self.array.buffers[VERTICES]));
+            attribute(gl, 0, 3, glow::FLOAT, size_of::<SkinVertex>(), 0);
+            gl.bind_buffer(glow::ELEMENT_ARRAY_BUFFER, Some(array.buffers[0]));
+            gl.buffer_data_u8_slice(
+                glow::ELEMENT_ARRAY_BUFFER,
+                bytemuck::cast_slice(&edges),
+                glow::STATIC_DRAW,
+            );
+            gl.bind_vertex_array(None);
+        }
+        Ok((array, (edges.len() * 2) as i32))
+    }
+
+    /// Frees it.
+    pub fn delete(self, gl: &glow::Context) {
+        self.array.delete(gl);
+        if let Some((wire, _)) = self.wire {
+            wire.delete(gl);
+        }
+    }
+}
+
+/// Mean edge length from the mean triangle area, as if all were equilateral, mm.
+fn mean_edge_mm(surface: &crate::surface::Surface) -> f64 {
+    let n = surface.triangles().len();
+    let area: f64 = (0..n as u32).map(|t| surface.triangle(t).area_mm2()).sum();
+    if n == 0 {
+        0.0
+    } else {
+        (area / n as f64 * 4.0 / 3.0_f64.sqrt()).sqrt()
+    }
+}
