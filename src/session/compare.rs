@@ -37,8 +37,8 @@ pub struct FieldDifference {
     pub field: &'static str,
     /// Records in which it differs.
     pub records: u64,
-    /// Greatest difference: length of the difference of vectors, magnitude of that of numbers, 1 for what is equal or not.
-    /// Infinite where one side is not finite.
+    /// Greatest difference: of numbers and components of vectors; 1 for what is equal or not. Infinite where one side is not
+    /// finite.
     pub max: f64,
 }
 
@@ -108,16 +108,19 @@ fn same_bits(a: Value, b: Value) -> bool {
 }
 
 fn distance(a: Value, b: Value) -> f64 {
-    let distance = match (a, b) {
-        (Value::Vec3(a), Value::Vec3(b)) => (a - b).length(),
-        (Value::F64(a), Value::F64(b)) => (a - b).abs(),
+    let apart = |a: f64, b: f64| {
+        let apart = (a - b).abs();
+        if apart.is_nan() { f64::INFINITY } else { apart }
+    };
+    match (a, b) {
+        // By component: the length of a difference of a few last bits is zero, its squares being too small.
+        (Value::Vec3(a), Value::Vec3(b)) => {
+            let parts = a.to_array().into_iter().zip(b.to_array());
+            parts.map(|(a, b)| apart(a, b)).fold(0.0, f64::max)
+        }
+        (Value::F64(a), Value::F64(b)) => apart(a, b),
         (Value::U64(a), Value::U64(b)) => a.abs_diff(b) as f64,
         _ => 1.0,
-    };
-    if distance.is_nan() {
-        f64::INFINITY
-    } else {
-        distance
     }
 }
 

@@ -1,0 +1,303 @@
+//! Replays: the recorded inputs through the same tick give the same bits, and where they do not, the report says so.
+
+use dorsum::contact::{Friction, Stiffness, TouchScene};
+use dorsum::device::{MAX_FINGERS, Reading};
+use dorsum::geom::Vec3;
+use dorsum::partition::bvh::Bvh;
+use dorsum::servo::{FingerRecord, Limits, Rig, TickInput, TickRecord, tick};
+use dorsum::session::{
+    DeviceInfo, Header, IfExists, MeshSource, Playback, Session, SessionError, SessionWriter,
+    Statistics, Strictness, check, replay, resimulate,
+};
+use dorsum::surface::{RawMesh, Surface};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+const DT_S: f64 = 1.0 / 1000.0;
+const LIMITS: Limits = Limits {
+    rated_force_n: 9.0,
+    rise_n_per_s: 2000.0,
+};
+
+/// A sheet of 20 × 20 squares of 5 mm, tilted, with stiffness that rises along x.
+fn scene(tilt: f64) -> TouchScene {
+    let n = 20u32;
+    let mut mesh = RawMesh::default();
+    for j in 0..=n {
+        for i in 0..=n {
+            let (x, y) = (5.0 * f64::from(i) - 50.0, 5.0 * f64::from(j) - 50.0);
+            mesh.positions.push(Vec3::new(x, y, tilt * x));
+        }
+    }
+    for j in 0..n {
+        for i in 0..n {
+            let a = j * (n + 1) + i;
+            let (b, c, d) = (a + 1, a + n + 1, a + n + 2);
+            mesh.triangles.extend([[a, b, d], [a, d, c]]);
+        }
+    }
+    let (surface, _) = Surface::new(mesh).unwrap();
+    let stiffness = surface
+        .positions()
+        .iter()
+        .map(|p| 0.5 + 0.004 * p.x)
+        .collect();
+    TouchScene {
+        search: Arc::new(Bvh::new(&surface)),
+        surface: Arc::new(surface),
+        stiffness: Stiffness::PerVertex(stiffness),
+        friction: Some(Friction {
+            static_coefficient: 0.46,
+            dynamic_coefficient: 0.44,
+            skin_looseness: 1.0,
+        }),
+    }
+}
+
+fn rig(tilt: f64) -> Rig {
+    Rig::new(Box::new(scene(tilt)), [LIMITS; MAX_FINGERS])
+}
+
+/// Two fingers press, slide and let go; the run is late now and then, once without force, a device drops out, another is
+/// swapped in.
+fn input(number: u64) -> TickInput {
+    let t = number as f64 * DT_S;
+    let mut input = TickInput {
+        n_fingers: 2,
+        late: number % 97 == 50,
+        force_enabled: !(400..450).contains(&number),
+        ..TickInput::default()
+    };
+    for (finger, reading) in input.readings.iter_mut().enumerate().take(2) {
+        let phase = t * 3.0 + finger as f64;
+        *reading = Reading {
+            position_mm: Vec3::new(
+                20.0 * libm::sin(phase),
+                15.0 * libm::cos(phase * 0.7),
+                6.0 * libm::cos(phase * 2.0),
+            ),
+            velocity_mm_s: Vec3::new(t, -t, 0.0),
+            buttons: (number / 100) as u32,
+            connected: !(finger == 1 && (600..620).contains(&number)),
+        };
+    }
+    input.place_anew[0] = number == 500;
+    if number == 700 {
+        input.readings[0].position_mm.x = f64::NAN;
+    }
+    input
+}
+
+fn ticks(n: u64) -> Vec<TickRecord> {
+    let mut rig = rig(0.2);
+    (0..n).map(|i| tick(&mut rig, &input(i), DT_S)).collect()
+}
+
+fn header() -> Header {
+    let scene = scene(0.2);
+    let device = DeviceInfo {
+        name: "Scripted".into(),
+        rated_force_n: LIMITS.rated_force_n,
+        rise_n_per_s: LIMITS.rise_n_per_s,
+    };
+    Header {
+        scenario_toml: "format = 1\n".into(),
+        scenario_name: "Sheet".into(),
+        mesh: MeshSource {
+            hash: replay::hexadecimal(&scene.surface.hash()),
+            origin: "sheet".into(),
+            triangles: scene.surface.triangles().len(),
+        },
+        devices: vec![device; 2],
+        rate_hz: 1000.0,
+        build: "test".into(),
+        started_utc: "2031-05-17T09:30:00Z".into(),
+        participant: None,
+    }
+}
+
+struct File {
+    _folder: tempfile::TempDir,
+    path: PathBuf,
+}
+
+impl File {
+    fn session(&self) -> Session {
+        Session::open(&self.path).unwrap()
+    }
+}
+
+fn recorded(records: impl IntoIterator<Item = TickRecord>) -> File {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    write(&path, records);
+    File {
+        _folder: folder,
+        path,
+    }
+}
+
+fn write(path: &Path, records: impl IntoIterator<Item = TickRecord>) {
+    let mut writer = SessionWriter::create(path, &header(), IfExists::Refuse).unwrap();
+    for record in records {
+        for finger in record.fingers() {
+            writer.write(finger).unwrap();
+        }
+    }
+    writer.finish().unwrap();
+}
+
+#[test]
+fn a_run_replays_bit_for_bit() {
+    let file = recorded(ticks(1500));
+    let report = check(&file.session(), rig(0.2), Strictness::Strict).unwrap();
+    assert!(report.is_bit_exact(), "{:?}", report.first_difference);
+    assert_eq!(
+        (report.ticks, report.compared, report.fingers),
+        (1500, 1499, 2)
+    );
+    assert_eq!((report.gaps, report.missing), (0, 0));
+}
+
+#[test]
+fn a_recording_that_starts_in_the_middle_replays_from_there() {
+    for start in [1, 333, 500, 605, 701, 1200] {
+        let file = recorded(ticks(1400).split_off(start));
+        let report = check(&file.session(), rig(0.2), Strictness::Strict).unwrap();
+        assert!(
+            report.is_bit_exact(),
+            "from {start}: {:?}",
+            report.first_difference
+        );
+    }
+}
+
+#[test]
+fn a_gap_starts_anew_behind_it_and_is_counted() {
+    let mut ticks = ticks(1200);
+    ticks.retain(|t| !(300..340).contains(&t.fingers[0].tick) && t.fingers[0].tick != 900);
+    let file = recorded(ticks);
+    let report = check(&file.session(), rig(0.2), Strictness::Strict).unwrap();
+    assert!(report.is_bit_exact(), "{:?}", report.first_difference);
+    assert_eq!((report.gaps, report.missing), (2, 41));
+    assert_eq!((report.ticks, report.compared), (1159, 1156));
+}
+
+#[test]
+fn a_changed_reading_is_found_at_its_tick() {
+    let mut changed = ticks(1000);
+    let position = &mut changed[777].fingers[1].reading.position_mm;
+    position.z = f64::from_bits(position.z.to_bits() ^ 1 << 30);
+    let file = recorded(changed);
+    let report = check(&file.session(), rig(0.2), Strictness::Strict).unwrap();
+    let first = report.first_difference.unwrap();
+    assert_eq!((first.tick, first.finger), (777, 1));
+    assert_ne!(first.recorded, first.got);
+    assert!(!report.differences.is_empty());
+}
+
+#[test]
+fn one_changed_bit_of_an_outcome_is_found_with_its_field() {
+    type Change = fn(&mut FingerRecord);
+    let changes: [(&str, Change); 5] = [
+        ("anchor_mm.y", |r| {
+            r.contact.anchor_mm.y = next(r.contact.anchor_mm.y)
+        }),
+        ("depth_mm", |r| {
+            r.contact.depth_mm = next(r.contact.depth_mm)
+        }),
+        ("stiffness_n_per_mm", |r| {
+            r.contact.stiffness_n_per_mm = next(r.contact.stiffness_n_per_mm);
+        }),
+        ("sent_force_n.z", |r| {
+            r.sent_force_n.z = next(r.sent_force_n.z)
+        }),
+        ("limits", |r| r.limits.0 ^= 1),
+    ];
+    for (field, change) in changes {
+        let mut changed = ticks(900);
+        change(&mut changed[800].fingers[0]);
+        let file = recorded(changed);
+        let report = check(&file.session(), rig(0.2), Strictness::Strict).unwrap();
+        let first = report.first_difference.unwrap();
+        assert_eq!(
+            (first.tick, first.finger, first.field.as_str()),
+            (800, 0, field)
+        );
+        assert_eq!(report.differences.len(), 1);
+        assert!(report.differences[0].max > 0.0 && report.differences[0].records == 1);
+    }
+}
+
+fn next(v: f64) -> f64 {
+    f64::from_bits(v.to_bits() ^ 1)
+}
+
+#[test]
+fn another_surface_is_refused_in_one_line() {
+    let file = recorded(ticks(10));
+    let error = check(&file.session(), rig(0.3), Strictness::Strict).unwrap_err();
+    assert!(matches!(error, SessionError::OtherSurface { .. }));
+    let text = error.to_string();
+    assert!(text.contains("scenario") && !text.contains('\n'), "{text}");
+}
+
+#[test]
+fn an_unfinished_file_replays_as_far_as_it_goes() {
+    let file = recorded(ticks(4000));
+    let bytes = std::fs::read(&file.path).unwrap();
+    std::fs::write(&file.path, &bytes[..bytes.len() * 2 / 3]).unwrap();
+    assert!(check(&file.session(), rig(0.2), Strictness::Strict).is_err());
+    let report = check(&file.session(), rig(0.2), Strictness::Lenient).unwrap();
+    assert!(report.is_bit_exact() && report.damage.unfinished);
+    assert!((1500..2667).contains(&report.ticks), "{}", report.ticks);
+}
+
+#[test]
+fn re_simulation_shows_recorded_and_repeated_side_by_side() {
+    let run = ticks(50);
+    let file = recorded(run.clone());
+    let pairs = resimulate(&file.session(), rig(0.2), Strictness::Strict).unwrap();
+    let pairs: Vec<_> = pairs.map(Result::unwrap).collect();
+    assert!(pairs[0].got.is_none());
+    for (pair, tick) in pairs.iter().zip(&run) {
+        assert!(pair.recorded.fingers()[1].same_outcome(&tick.fingers()[1]));
+    }
+}
+
+#[test]
+fn statistics_are_those_of_the_run() {
+    let run = ticks(1500);
+    let mut statistics = Statistics::default();
+    run.iter().for_each(|t| statistics.add(t, DT_S));
+    let all = || run.iter().flat_map(|t| t.fingers());
+    let peak = all().map(|r| r.sent_force_n.length()).fold(0.0, f64::max);
+    let depth = all().map(|r| r.contact.depth_mm).fold(0.0, f64::max);
+    assert_eq!(
+        (statistics.peak_force_n, statistics.max_depth_mm),
+        (peak, depth)
+    );
+    assert_eq!(statistics.late_ticks, 15);
+    assert!((statistics.duration_s - 1.499).abs() < 1.0e-9);
+}
+
+#[test]
+fn playback_shows_the_recorded_records() {
+    let run = ticks(300);
+    let file = recorded(run.clone());
+    let recording = file.session().load(Strictness::Strict).unwrap();
+    let mut playback = Playback::new(Arc::new(recording));
+    playback.play();
+    let mut seen = Vec::new();
+    while playback.is_playing() {
+        seen.push(playback.at());
+        let _ = playback.advance(0.0004);
+    }
+    seen.dedup_by_key(|t| t.fingers[0].tick);
+    for (shown, recorded) in seen.iter().zip(&run) {
+        for (a, b) in shown.fingers().iter().zip(recorded.fingers()) {
+            assert!(a.same_outcome(b));
+        }
+    }
+    assert!(seen.len() >= 299);
+}
