@@ -1,13 +1,13 @@
 //! Replays: the recorded inputs through the same tick give the same bits, and where they do not, the report says so.
 
 use dorsum::contact::{Friction, Stiffness, TouchScene};
-use dorsum::device::{MAX_FINGERS, Reading};
+use dorsum::device::Reading;
 use dorsum::geom::Vec3;
 use dorsum::partition::bvh::Bvh;
 use dorsum::servo::{FingerRecord, Limits, Rig, TickInput, TickRecord, tick};
 use dorsum::session::{
     DeviceInfo, Header, IfExists, MeshSource, Playback, Session, SessionError, SessionWriter,
-    Statistics, Strictness, check, replay, resimulate,
+    Strictness, check, resimulate,
 };
 use dorsum::surface::{RawMesh, Surface};
 use std::path::{Path, PathBuf};
@@ -55,7 +55,7 @@ fn scene(tilt: f64) -> TouchScene {
 }
 
 fn rig(tilt: f64) -> Rig {
-    Rig::new(Box::new(scene(tilt)), [LIMITS; MAX_FINGERS])
+    Rig::new(Box::new(scene(tilt)), header().limits())
 }
 
 /// Two fingers press, slide and let go; the run is late now and then, once without force, a device drops out, another is
@@ -95,20 +95,11 @@ fn ticks(n: u64) -> Vec<TickRecord> {
 
 fn header() -> Header {
     let scene = scene(0.2);
-    let device = DeviceInfo {
-        name: "Scripted".into(),
-        rated_force_n: LIMITS.rated_force_n,
-        rise_n_per_s: LIMITS.rise_n_per_s,
-    };
     Header {
         scenario_toml: "format = 1\n".into(),
         scenario_name: "Sheet".into(),
-        mesh: MeshSource {
-            hash: replay::hexadecimal(&scene.surface.hash()),
-            origin: "sheet".into(),
-            triangles: scene.surface.triangles().len(),
-        },
-        devices: vec![device; 2],
+        mesh: MeshSource::new(&scene.surface, "sheet"),
+        devices: vec![DeviceInfo::new("Scripted", &LIMITS); 2],
         rate_hz: 1000.0,
         build: "test".into(),
         started_utc: "2031-05-17T09:30:00Z".into(),
@@ -263,22 +254,6 @@ fn re_simulation_shows_recorded_and_repeated_side_by_side() {
     for (pair, tick) in pairs.iter().zip(&run) {
         assert!(pair.recorded.fingers()[1].same_outcome(&tick.fingers()[1]));
     }
-}
-
-#[test]
-fn statistics_are_those_of_the_run() {
-    let run = ticks(1500);
-    let mut statistics = Statistics::default();
-    run.iter().for_each(|t| statistics.add(t, DT_S));
-    let all = || run.iter().flat_map(|t| t.fingers());
-    let peak = all().map(|r| r.sent_force_n.length()).fold(0.0, f64::max);
-    let depth = all().map(|r| r.contact.depth_mm).fold(0.0, f64::max);
-    assert_eq!(
-        (statistics.peak_force_n, statistics.max_depth_mm),
-        (peak, depth)
-    );
-    assert_eq!(statistics.late_ticks, 15);
-    assert!((statistics.duration_s - 1.499).abs() < 1.0e-9);
 }
 
 #[test]

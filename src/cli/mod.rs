@@ -4,6 +4,7 @@
 //! names the cause and the remedy. With `--json` one JSON document stands on stdout and nothing else.
 
 mod common;
+mod replay;
 mod run;
 mod scene;
 mod summary;
@@ -54,6 +55,8 @@ struct Arguments {
 enum Command {
     /// Run the servo loop with a scripted finger, without a window.
     Run(run::RunArgs),
+    /// Repeat a recorded session from its device readings and compare.
+    Replay(replay::ReplayArgs),
     /// Tell what a scenario needs and what is left out, with bytes and µs.
     Scene(scene::SceneArgs),
 }
@@ -89,6 +92,7 @@ pub fn main() -> u8 {
     let outcome = match &arguments.command {
         None => Ok(Outcome::Done),
         Some(Command::Run(args)) => run::run(args, json),
+        Some(Command::Replay(args)) => replay::run(args, json),
         Some(Command::Scene(args)) => scene::run(args, json),
     };
     match outcome {

@@ -1,7 +1,8 @@
 //! What a session says about itself beside its ticks.
 
 use super::SessionError;
-use crate::servo::MAX_FINGERS;
+use crate::servo::{Limits, MAX_FINGERS};
+use crate::surface::Surface;
 use std::collections::BTreeMap;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -25,6 +26,45 @@ pub struct DeviceInfo {
     pub rated_force_n: f64,
     /// Fastest rise allowed, N/s.
     pub rise_n_per_s: f64,
+}
+
+impl DeviceInfo {
+    /// A device by its name and the bounds that its forces were kept in.
+    pub fn new(name: &str, limits: &Limits) -> Self {
+        Self {
+            name: name.to_owned(),
+            rated_force_n: limits.rated_force_n,
+            rise_n_per_s: limits.rise_n_per_s,
+        }
+    }
+
+    /// The bounds that its forces were kept in.
+    pub fn limits(&self) -> Limits {
+        Limits {
+            rated_force_n: self.rated_force_n,
+            rise_n_per_s: self.rise_n_per_s,
+        }
+    }
+}
+
+impl MeshSource {
+    /// A surface and where it came from: `builtin:back` or the path that the scenario states.
+    pub fn new(surface: &Surface, origin: &str) -> Self {
+        Self {
+            hash: hexadecimal(&surface.hash()),
+            origin: origin.to_owned(),
+            triangles: surface.triangles().len(),
+        }
+    }
+}
+
+/// Lower-case hexadecimal.
+pub(super) fn hexadecimal(bytes: &[u8]) -> String {
+    use std::fmt::Write;
+    bytes.iter().fold(String::new(), |mut text, byte| {
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
 }
 
 /// Everything beside the ticks that is needed to rebuild a run.
@@ -67,6 +107,16 @@ impl Header {
     /// Time step of the run, s.
     pub fn dt_s(&self) -> f64 {
         1.0 / self.rate_hz
+    }
+
+    /// Bounds on each finger's force, as they were while it ran: what a rig that repeats it needs. Fingers that there are
+    /// not have those of [`Limits::default`].
+    pub fn limits(&self) -> [Limits; MAX_FINGERS] {
+        let mut limits = [Limits::default(); MAX_FINGERS];
+        for (limit, device) in limits.iter_mut().zip(&self.devices) {
+            *limit = device.limits();
+        }
+        limits
     }
 
     /// Start in nanoseconds since 1970, UTC.

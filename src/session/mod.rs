@@ -27,7 +27,7 @@ pub use header::{DeviceInfo, Header, MeshSource, build_id, utc_now};
 pub use playback::{PLAYBACK_SPEEDS, Playback};
 pub use reader::{Damage, Entry, Recording, Records, Session, Strictness, Ticks};
 pub use recorder::{RecorderHandle, RecorderState, RecorderStatus, RecorderThread};
-pub use replay::{CheckReport, Resimulated, Statistics, check, resimulate};
+pub use replay::{CheckReport, Resimulated, Resimulation, check, check_with, input_of, resimulate};
 pub use writer::{IfExists, RecordingSummary, SessionWriter};
 
 use std::path::PathBuf;

@@ -224,6 +224,11 @@ impl Records {
         &self.damage
     }
 
+    /// How much of the file is done, 0 to 1.
+    pub fn progress(&self) -> f64 {
+        self.walk.at() as f64 / self.walk.size().max(1) as f64
+    }
+
     fn step(&mut self) -> Result<Option<Entry>, SessionError> {
         loop {
             while self.at < self.chunk.len() {
@@ -404,6 +409,11 @@ impl Ticks {
     /// What was stepped over so far.
     pub fn damage(&self) -> &Damage {
         self.records.damage()
+    }
+
+    /// How much of the file is done, 0 to 1.
+    pub fn progress(&self) -> f64 {
+        self.records.progress()
     }
 
     /// Ticks left out because not every finger's record is there. The last tick of a killed recording is not counted.

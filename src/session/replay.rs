@@ -1,9 +1,9 @@
 //! Re-simulation: the recorded inputs through the same tick.
 
 use super::compare::{Difference, FieldDifference, Tally};
+use super::header::hexadecimal;
 use super::reader::{Session, Strictness, Ticks};
 use super::{Damage, SessionError};
-use crate::contact::Touch;
 use crate::device::MAX_FINGERS;
 use crate::servo::{Rig, TickInput, TickRecord, tick};
 use serde::Serialize;
@@ -72,6 +72,11 @@ impl Resimulation {
     /// What a lenient reading stepped over so far.
     pub fn damage(&self) -> &Damage {
         self.ticks.damage()
+    }
+
+    /// How much of the file is done, 0 to 1.
+    pub fn progress(&self) -> f64 {
+        self.ticks.progress()
     }
 }
 
@@ -154,16 +159,30 @@ pub fn check(
     rig: Rig,
     strictness: Strictness,
 ) -> Result<CheckReport, SessionError> {
+    check_with(session, rig, strictness, |_, _| ())
+}
+
+/// As [`check`]; `each` sees every tick and how much of the file is done, 0 to 1.
+///
+/// # Errors
+/// As [`check`].
+pub fn check_with(
+    session: &Session,
+    rig: Rig,
+    strictness: Strictness,
+    mut each: impl FnMut(&Resimulated, f64),
+) -> Result<CheckReport, SessionError> {
     let mut tally = Tally::default();
     let (mut ticks, mut compared) = (0, 0);
     let mut resimulation = resimulate(session, rig, strictness)?;
-    for pair in &mut resimulation {
-        let Resimulated { recorded, got } = pair?;
+    while let Some(pair) = resimulation.next() {
+        let pair = pair?;
         ticks += 1;
-        if let Some(got) = got {
+        if let Some(got) = &pair.got {
             compared += 1;
-            tally.add(&recorded, &got);
+            tally.add(&pair.recorded, got);
         }
+        each(&pair, resimulation.progress());
     }
     let differences = tally.fields();
     Ok(CheckReport {
@@ -175,55 +194,5 @@ pub fn check(
         first_difference: tally.first,
         differences,
         damage: resimulation.damage().clone(),
-    })
-}
-
-/// A session in numbers, gathered tick by tick.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Statistics {
-    /// Ticks.
-    pub ticks: u64,
-    /// Time from the first to the last tick, s.
-    pub duration_s: f64,
-    /// Greatest force sent to any finger, N.
-    pub peak_force_n: f64,
-    /// Greatest penetration of any finger, mm.
-    pub max_depth_mm: f64,
-    /// Time in which at least one finger touches, s.
-    pub contact_s: f64,
-    /// Ticks that came too late; no force was sent in them.
-    pub late_ticks: u64,
-    #[serde(skip)]
-    first_ns: Option<u64>,
-}
-
-impl Statistics {
-    /// Takes in one tick of `dt_s` seconds.
-    pub fn add(&mut self, tick: &TickRecord, dt_s: f64) {
-        let Some(first) = tick.fingers().first() else {
-            return;
-        };
-        self.ticks += 1;
-        let start_ns = *self.first_ns.get_or_insert(first.time_ns);
-        self.duration_s = crate::units::s_from_ns(first.time_ns.saturating_sub(start_ns));
-        self.late_ticks += u64::from(first.late);
-        let mut touching = false;
-        for record in tick.fingers() {
-            self.peak_force_n = self.peak_force_n.max(record.sent_force_n.length());
-            self.max_depth_mm = self.max_depth_mm.max(record.contact.depth_mm);
-            touching |= record.contact.touch != Touch::Free;
-        }
-        if touching {
-            self.contact_s += dt_s;
-        }
-    }
-}
-
-/// Lower-case hexadecimal, as headers hold it.
-pub fn hexadecimal(bytes: &[u8]) -> String {
-    use std::fmt::Write;
-    bytes.iter().fold(String::new(), |mut text, byte| {
-        let _ = write!(text, "{byte:02x}");
-        text
     })
 }
