@@ -151,6 +151,14 @@ impl Model for Fsmd {
     }
 
     fn update(&mut self, surface: &Surface, presses: &[Press], out: &mut Displacement) {
+        self.displace(surface, presses, out);
+        self.shade(surface, out);
+    }
+}
+
+impl Fsmd {
+    /// The first half of [`Model::update`]: brings the offsets to the shape under `presses`.
+    pub fn displace(&mut self, surface: &Surface, presses: &[Press], out: &mut Displacement) {
         let n_vertices = surface.positions().len();
         if out.offsets_mm.len() != n_vertices || out.normals.len() != n_vertices {
             *out = Displacement::at_rest(surface);
@@ -181,13 +189,11 @@ impl Model for Fsmd {
                 self.changed.push(v);
             }
         }
-        self.renew_normals(surface, out);
     }
-}
 
-impl Fsmd {
-    /// Recomputes the normals of changed vertices and of those next to them, and lists what is to be drawn anew.
-    fn renew_normals(&mut self, surface: &Surface, out: &mut Displacement) {
+    /// The second half: recomputes the normals of the vertices displaced and of those next to them, and lists what is to be
+    /// drawn anew.
+    pub fn shade(&mut self, surface: &Surface, out: &mut Displacement) {
         out.touched.clear();
         self.field.begin(surface.positions().len());
         for &v in &self.changed {

@@ -1,0 +1,210 @@
+//! The ring search against its definition: everything inside the outline that hangs together with the start triangle.
+
+use dorsum::deform::RingSearch;
+use dorsum::deform::footprint::{Ellipse, Outline};
+use dorsum::geom::Vec3;
+use dorsum::surface::{RIM, RawMesh, Surface};
+use proptest::prelude::*;
+use std::collections::BTreeSet;
+use std::f64::consts::PI;
+
+/// Fills the whole surface triangle by triangle, looking at every pair: slow and by definition.
+fn by_definition(surface: &Surface, outline: &impl Outline, start: u32) -> BTreeSet<u32> {
+    let p = surface.positions();
+    let inside: Vec<bool> = p.iter().map(|p| outline.ratio(*p) < 1.0).collect();
+    let triangles = surface.triangles();
+    let mut reached = vec![false; triangles.len()];
+    reached[start as usize] = true;
+    loop {
+        let mut grown = false;
+        for t in 0..triangles.len() {
+            if !reached[t] {
+                let joined = (0..triangles.len()).filter(|&u| reached[u]).any(|u| {
+                    triangles[u]
+                        .iter()
+                        .any(|v| inside[*v as usize] && triangles[t].contains(v))
+                }) || surface.topology().across(t as u32).iter().enumerate().any(
+                    |(edge, &u)| {
+                        let [a, b] = [triangles[t][edge], triangles[t][(edge + 1) % 3]];
+                        u != RIM
+                            && reached[u as usize]
+                            && outline.reaches(p[a as usize], p[b as usize])
+                    },
+                );
+                reached[t] = joined;
+                grown |= joined;
+            }
+        }
+        if !grown {
+            break;
+        }
+    }
+    (0..triangles.len())
+        .filter(|&t| reached[t])
+        .flat_map(|t| triangles[t])
+        .filter(|&v| inside[v as usize])
+        .collect()
+}
+
+/// What a sheet is bent into.
+#[derive(Clone, Copy, Debug)]
+enum Shape {
+    Hills,
+    Fold,
+    Tube,
+    TwoSheets,
+}
+
+#[derive(Clone, Debug)]
+struct Case {
+    shape: Shape,
+    cells: usize,
+    jitter: Vec<[f64; 3]>,
+    holes: Vec<bool>,
+    start: prop::sample::Index,
+    weights: [f64; 2],
+    half_axes: [f64; 2],
+    angle_rad: f64,
+}
+
+fn cases() -> impl Strategy<Value = Case> {
+    let shape = prop_oneof![
+        Just(Shape::Hills),
+        Just(Shape::Fold),
+        Just(Shape::Tube),
+        Just(Shape::TwoSheets)
+    ];
+    (shape, 3..10_usize).prop_flat_map(|(shape, cells)| {
+        (
+            prop::collection::vec(
+                prop::array::uniform3(-0.4..0.4_f64),
+                (cells + 1) * (cells + 1),
+            ),
+            prop::collection::vec(prop::bool::weighted(0.12), 2 * cells * cells),
+            any::<prop::sample::Index>(),
+            prop::array::uniform2(0.0..0.5_f64),
+            prop::array::uniform2(0.05..7.0_f64),
+            0.0..PI,
+        )
+            .prop_map(
+                move |(jitter, holes, start, weights, half_axes, angle_rad)| Case {
+                    shape,
+                    cells,
+                    jitter,
+                    holes,
+                    start,
+                    weights,
+                    half_axes,
+                    angle_rad,
+                },
+            )
+    })
+}
+
+fn surface_of(case: &Case) -> Option<Surface> {
+    let n = case.cells;
+    let mut mesh = RawMesh::default();
+    for j in 0..=n {
+        for i in 0..=n {
+            let (s, y) = (i as f64 - n as f64 / 2.0, j as f64);
+            let p = match case.shape {
+                Shape::Hills => Vec3::new(s, y, (1.3 * s).sin() + y.cos()),
+                Shape::Fold => Vec3::new(s.abs(), y, 0.3 * s.signum()),
+                Shape::Tube => {
+                    let phi = 1.8 * PI * i as f64 / n as f64;
+                    Vec3::new(1.5 * phi.cos(), y, 1.5 * phi.sin())
+                }
+                Shape::TwoSheets => {
+                    let second = usize::from(2 * i > n) as f64;
+                    Vec3::new(s - second * n as f64 / 2.0, y, -0.5 * second)
+                }
+            };
+            mesh.positions
+                .push(p + Vec3::from(case.jitter[j * (n + 1) + i]) * 0.8);
+        }
+    }
+    let at = |i: usize, j: usize| (j * (n + 1) + i) as u32;
+    for j in 0..n {
+        for i in 0..n {
+            if matches!(case.shape, Shape::TwoSheets) && 2 * i <= n && 2 * (i + 1) > n {
+                continue;
+            }
+            let two = [
+                [at(i, j), at(i + 1, j), at(i + 1, j + 1)],
+                [at(i, j), at(i + 1, j + 1), at(i, j + 1)],
+            ];
+            for (k, t) in two.into_iter().enumerate() {
+                if !case.holes[2 * (j * n + i) + k] {
+                    mesh.triangles.push(t);
+                }
+            }
+        }
+    }
+    Surface::new(mesh).ok().map(|(surface, _)| surface)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(192))]
+
+    #[test]
+    fn the_search_finds_what_hangs_together_and_nothing_else(
+        first in cases(),
+        others in prop::collection::vec((any::<prop::sample::Index>(), prop::array::uniform2(0.05..7.0_f64)), 3),
+    ) {
+        let surface = surface_of(&first);
+        prop_assume!(surface.is_some());
+        let Some(surface) = surface else { return Ok(()) };
+        let mut search = RingSearch::default();
+        let mut steps = vec![(first.start, first.half_axes)];
+        steps.extend(others);
+        for (start, [a, b]) in steps {
+            let start = start.index(surface.triangles().len()) as u32;
+            let t = surface.triangle(start);
+            let [u, v] = first.weights;
+            let anchor = t.at([1.0 - u - v, u, v]);
+            let Some(outline) = Ellipse::new(anchor, t.normal(), a, b, first.angle_rad) else { continue };
+            search.search(&surface, &outline, start);
+            let found: BTreeSet<u32> = search.inside().iter().copied().collect();
+            prop_assert_eq!(found.len(), search.inside().len(), "no vertex twice");
+            prop_assert_eq!(&found, &by_definition(&surface, &outline, start));
+            for (&v, &q) in search.inside().iter().zip(search.ratios()) {
+                prop_assert_eq!(q, outline.ratio(surface.positions()[v as usize]));
+            }
+            let again = search.inside().to_vec();
+            search.search(&surface, &outline, start);
+            prop_assert_eq!(again, search.inside(), "the same order every time");
+        }
+    }
+}
+
+#[test]
+fn a_footprint_smaller_than_its_triangle_finds_nothing_or_the_corner_across_the_edge() {
+    // Two flat triangles that share the long edge y = 0.
+    let mesh = RawMesh {
+        positions: vec![
+            Vec3::new(-50.0, 0.0, 0.0),
+            Vec3::new(50.0, 0.0, 0.0),
+            Vec3::new(0.0, 40.0, 0.0),
+            Vec3::new(0.0, -5.0, 0.0),
+        ],
+        triangles: vec![[0, 1, 2], [1, 0, 3]],
+    };
+    let skin = Surface::new(mesh).unwrap().0;
+    let mut search = RingSearch::default();
+    let mut found = |y: f64, radius: f64| {
+        let centre = Vec3::new(0.0, y, 0.0);
+        let circle = Ellipse::new(centre, Vec3::Z, radius, radius, 0.0).unwrap();
+        search.search(&skin, &circle, 0);
+        search
+            .inside()
+            .iter()
+            .map(|&v| skin.positions()[v as usize])
+            .collect::<Vec<_>>()
+    };
+    assert!(found(10.0, 5.0).is_empty());
+    assert!(
+        found(2.0, 6.0).is_empty(),
+        "past the edge, short of the corner"
+    );
+    assert_eq!(found(2.0, 8.0), [Vec3::new(0.0, -5.0, 0.0)]);
+}
