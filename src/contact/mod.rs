@@ -3,14 +3,18 @@
 //! One finger is a *HIP* (haptic interface point: where the device is) and a *proxy* (god object: where it would be had
 //! the surface stopped it). Fingers do not know of each other: the haptic surface never deforms.
 
+mod face;
+mod friction;
 mod proxy;
+mod walk;
 
 use crate::geom::Vec3;
 use crate::partition::{Partition, bvh::Bvh};
 use crate::surface::Surface;
 use std::sync::Arc;
 
-pub use proxy::advance;
+pub use friction::anchor_from;
+pub use proxy::{FARTHEST_MM, advance};
 
 /// Everything the servo needs to know of a scene to feel it. Immutable while in use.
 #[derive(Clone, Debug)]
@@ -50,12 +54,12 @@ impl Stiffness {
         }
     }
 
-    /// Value at a point of a triangle with the given corners, N/mm.
+    /// Value at a point of a triangle with the given corners, N/mm. A vertex without a value counts as 0.
     pub fn at(&self, corners: [u32; 3], barycentric: [f64; 3]) -> f64 {
         match self {
             Self::Uniform(k) => *k,
             Self::PerVertex(values) => (0..3)
-                .map(|i| values[corners[i] as usize] * barycentric[i])
+                .map(|i| values.get(corners[i] as usize).unwrap_or(&0.0) * barycentric[i])
                 .sum(),
         }
     }

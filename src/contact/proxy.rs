@@ -1,23 +1,194 @@
-//! The constraint-based proxy (Zilles & Salisbury 1995; Ruspini 1997).
+//! The constraint-based proxy, a god object (Zilles & Salisbury 1995; Ruspini, Kolarov & Khatib 1997): what the finger
+//! would be had the surface stopped it.
+//!
+//! Free, it moves straight to the HIP unless the surface is in the way. On the surface it follows the HIP by the
+//! [`walk`](super::walk). The two alternate within one tick until the proxy rests or is free.
+//!
+//! The surface is one-sided: it stops what comes from outside; what is inside comes out freely. A proxy on the surface
+//! is on its outer side because it is *said* to be on a triangle, not because of where rounding puts it. Where a motion
+//! starts on the surface, it starts from a witness a little way into the triangle and above it, which is on the outer
+//! side of every neighbour, however sharp the crease.
 
-use super::{Contact, ContactState, TouchScene};
-use crate::geom::Vec3;
+use super::friction::Cone;
+use super::walk::{Footing, Outcome, Rest, Walk};
+use super::{Contact, ContactState, Touch, TouchScene};
+use crate::geom::{Vec3, unit_or};
+use crate::partition::{Hit, Partition, Sides};
+
+/// Farthest HIP that is believed, mm (1000 km): beyond it a reading is a fault, and squares of lengths stay finite.
+pub const FARTHEST_MM: f64 = 1.0e9;
+
+/// Rounding of a height, in units in the last place of the largest coordinate, with a wide margin: heights are sums of
+/// three products of differences.
+const LIFT_ULPS: f64 = 64.0;
+/// How far a witness lies inside its triangle, in lifts: enough to be above a neighbour that closes a wedge of 1°.
+const WITNESS_LIFTS: f64 = 1024.0;
+/// Most times the proxy leaves the surface and comes back within one tick; then it waits on the surface.
+const MAX_LANDINGS: u32 = 16;
 
 /// Moves the proxy of one finger after the HIP and returns what the finger feels.
 ///
-/// A HIP that is not finite leaves the state as it was and feels nothing.
-pub fn advance(_scene: &TouchScene, state: &mut ContactState, hip_mm: Vec3) -> Contact {
-    if !hip_mm.is_finite() {
-        return Contact {
-            anchor_mm: state.proxy_mm,
-            foot_mm: state.proxy_mm,
-            ..Contact::default()
-        };
+/// A HIP that is not finite, or beyond [`FARTHEST_MM`], leaves the state as it was and feels nothing.
+pub fn advance(scene: &TouchScene, state: &mut ContactState, hip_mm: Vec3) -> Contact {
+    let on_surface = state.touch != Touch::Free
+        && (state.triangle as usize) < scene.surface.triangles().len()
+        && state.proxy_mm.is_finite();
+    if !(hip_mm.abs().max_element() <= FARTHEST_MM && hip_mm.is_finite()) {
+        return waiting(scene, state, on_surface);
     }
-    state.proxy_mm = hip_mm;
-    Contact {
-        anchor_mm: hip_mm,
-        foot_mm: hip_mm,
+    let cone = Cone::of(scene.friction.as_ref());
+    let walk = Walk {
+        surface: &scene.surface,
+        hip: hip_mm,
+        cone,
+        lift: LIFT_ULPS
+            * f64::EPSILON
+            * (hip_mm.abs().max_element() + state.proxy_mm.abs().max_element()),
+    };
+    let rest = if on_surface {
+        let here = Footing {
+            triangle: state.triangle,
+            point: state.proxy_mm,
+        };
+        follow(scene, &walk, here, state.touch == Touch::Slip)
+    } else {
+        approach(scene, &walk, state.proxy_mm)
+            .and_then(|hit| follow(scene, &walk, landing(scene, hit), false))
+    };
+    let contact = match rest {
+        Some(rest) => felt(scene, &rest, cone),
+        None => Contact {
+            anchor_mm: hip_mm,
+            foot_mm: hip_mm,
+            ..Contact::default()
+        },
+    };
+    *state = ContactState {
+        touch: contact.touch,
+        proxy_mm: contact.anchor_mm,
+        triangle: contact.triangle,
+    };
+    contact
+}
+
+/// No reading: the proxy stays, no force.
+fn waiting(scene: &TouchScene, state: &ContactState, on_surface: bool) -> Contact {
+    let idle = Contact {
+        anchor_mm: state.proxy_mm,
+        foot_mm: state.proxy_mm,
         ..Contact::default()
+    };
+    if !on_surface {
+        return idle;
+    }
+    Contact {
+        touch: state.touch,
+        triangle: state.triangle,
+        normal: scene.surface.triangle(state.triangle).normal(),
+        stiffness_n_per_mm: stiffness_at(scene, state.triangle, state.proxy_mm),
+        ..idle
+    }
+}
+
+/// The first place where the free motion from `from` to the HIP meets the surface.
+///
+/// The motion is taken to begin a little earlier, by more than any rounding of the place it begins at: a proxy that
+/// came to stand on the surface, or by a rounding below, is stopped when it goes in.
+fn approach(scene: &TouchScene, walk: &Walk, from: Vec3) -> Option<Hit> {
+    let direction = unit_or(walk.hip - from, Vec3::ZERO);
+    if direction == Vec3::ZERO {
+        return None;
+    }
+    let start = from - direction * (WITNESS_LIFTS * walk.lift);
+    scene
+        .search
+        .sweep(&scene.surface, start, walk.hip, Sides::Front)
+}
+
+fn landing(scene: &TouchScene, hit: Hit) -> Footing {
+    Footing {
+        triangle: hit.triangle,
+        point: scene
+            .surface
+            .triangle(hit.triangle)
+            .closest_point(hit.point)
+            .point,
+    }
+}
+
+/// Follows the HIP from a place on the surface; `None` where it ends free.
+fn follow(scene: &TouchScene, walk: &Walk, start: Footing, slipping: bool) -> Option<Rest> {
+    let mut here = start;
+    let mut slipping = slipping;
+    for _ in 0..MAX_LANDINGS {
+        let hit = match walk.run(here.triangle, here.point, slipping) {
+            Outcome::Rests(rest) => return Some(rest),
+            Outcome::Lifts(footing) => {
+                let w = witness(scene, walk, footing);
+                scene
+                    .search
+                    .sweep(&scene.surface, w, walk.hip, Sides::Front)
+            }
+            Outcome::SlidesOff(footing) => {
+                let w = witness(scene, walk, footing);
+                let normal = scene.surface.triangle(footing.triangle).normal();
+                let down = walk.hip - footing.point;
+                let ahead = unit_or(down - normal * down.dot(normal), Vec3::ZERO);
+                let beyond =
+                    footing.point + ahead * (WITNESS_LIFTS * walk.lift) + normal * walk.lift;
+                let sweep = |a, b| scene.search.sweep(&scene.surface, a, b, Sides::Front);
+                sweep(w, beyond).or_else(|| sweep(beyond, walk.hip))
+            }
+        };
+        here = landing(scene, hit?);
+        slipping = false;
+    }
+    Some(walk.rest_in_plane(here))
+}
+
+/// A point just above the triangle of `footing` and a little inside it.
+fn witness(scene: &TouchScene, walk: &Walk, footing: Footing) -> Vec3 {
+    let triangle = scene.surface.triangle(footing.triangle);
+    let inward = triangle.centroid() - footing.point;
+    let length = inward.length();
+    let share = if length > 0.0 {
+        (WITNESS_LIFTS * walk.lift / length).min(0.5)
+    } else {
+        0.0
+    };
+    footing.point + inward * share + triangle.normal() * walk.lift
+}
+
+fn stiffness_at(scene: &TouchScene, triangle: u32, p: Vec3) -> f64 {
+    match &scene.stiffness {
+        super::Stiffness::Uniform(k) => *k,
+        map @ super::Stiffness::PerVertex(_) => map.at(
+            scene.surface.triangles()[triangle as usize],
+            scene
+                .surface
+                .triangle(triangle)
+                .closest_point(p)
+                .barycentric,
+        ),
+    }
+}
+
+fn felt(scene: &TouchScene, rest: &Rest, cone: Cone) -> Contact {
+    let k = stiffness_at(scene, rest.triangle, rest.proxy);
+    let (touch, foot_mm) = match (&scene.friction, rest.slipped) {
+        (None, _) => (Touch::Frictionless, rest.proxy),
+        (Some(_), true) => (Touch::Slip, rest.foot),
+        (Some(_), false) => (Touch::Stick, rest.foot),
+    };
+    let force_n = rest.normal * (k * rest.depth) + (rest.proxy - foot_mm) * (k / cone.looseness);
+    Contact {
+        touch,
+        triangle: rest.triangle,
+        anchor_mm: rest.proxy,
+        foot_mm,
+        normal: rest.normal,
+        depth_mm: rest.depth,
+        stiffness_n_per_mm: k,
+        force_n,
     }
 }

@@ -82,9 +82,12 @@ impl Triangle {
 
     /// The point of the triangle closest to `p` (Ericson 2005, Real-Time Collision Detection, 5.1.5).
     ///
-    /// A degenerate triangle answers with the closest point of its edges or corners.
+    /// The weights come from cross products rather than Ericson's products of dot products, so that their error grows
+    /// with the distance of `p` over the size of the triangle, not with its square. A degenerate triangle answers with the
+    /// closest point of its edges or corners.
     pub fn closest_point(&self, p: Vec3) -> TrianglePoint {
         let (ab, ac, ap) = (self.b - self.a, self.c - self.a, p - self.a);
+        let n = ab.cross(ac);
         let (d1, d2) = (ab.dot(ap), ac.dot(ap));
         if d1 <= 0.0 && d2 <= 0.0 {
             return self.corner(0);
@@ -94,7 +97,7 @@ impl Triangle {
         if d3 >= 0.0 && d4 <= d3 {
             return self.corner(1);
         }
-        let vc = d1 * d4 - d3 * d2;
+        let vc = n.dot(ab.cross(ap));
         if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
             return self.on_edge(0, d1 / (d1 - d3));
         }
@@ -103,18 +106,25 @@ impl Triangle {
         if d6 >= 0.0 && d5 <= d6 {
             return self.corner(2);
         }
-        let vb = d5 * d2 - d1 * d6;
+        let vb = n.dot(cp.cross(ac));
         if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
             return self.on_edge(2, 1.0 - d2 / (d2 - d6));
         }
-        let va = d3 * d6 - d5 * d4;
+        let va = n.dot((self.c - self.b).cross(bp));
         if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
             return self.on_edge(1, (d4 - d3) / ((d4 - d3) + (d5 - d6)));
         }
+        // Rounding can leave a sliver with no matching region above: its nearest edge or corner then.
+        let (va, vb, vc) = (va.max(0.0), vb.max(0.0), vc.max(0.0));
         let sum = va + vb + vc;
+        if !(sum > 0.0) {
+            let to = [self.a, self.b, self.c].map(|q| q.distance_squared(p));
+            let nearest = (0..3).fold(0, |m, i| if to[i] < to[m] { i } else { m });
+            return self.corner(nearest as u8);
+        }
         let barycentric = [va / sum, vb / sum, vc / sum];
         TrianglePoint {
-            point: self.at(barycentric),
+            point: self.a + ab * barycentric[1] + ac * barycentric[2],
             barycentric,
             feature: Feature::Face,
         }
@@ -154,8 +164,11 @@ impl Triangle {
     /// of the triangle does not cross it.
     pub fn crossing(&self, from: Vec3, to: Vec3) -> Option<Crossing> {
         let dir = to - from;
-        let (a, b, c) = (self.a - from, self.b - from, self.c - from);
-        let (u, v, w) = (side(b, c, dir), side(c, a, dir), side(a, b, dir));
+        let (u, v, w) = (
+            side(self.b, self.c, from, dir),
+            side(self.c, self.a, from, dir),
+            side(self.a, self.b, from, dir),
+        );
         if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
             return None;
         }
@@ -168,7 +181,11 @@ impl Triangle {
         if along == 0.0 {
             return None;
         }
-        let t = n.dot(a) / along;
+        // A segment that grazes the plane meets it anywhere, to rounding; but not before the first corner or after the last.
+        let [a, b, c] = [self.a, self.b, self.c].map(|p| (p - from).dot(dir));
+        let length_sq = dir.length_squared();
+        let (first, last) = (a.min(b).min(c) / length_sq, a.max(b).max(c) / length_sq);
+        let t = (n.dot(self.a - from) / along).max(first).min(last);
         if !(0.0..=1.0).contains(&t) {
             return None;
         }
@@ -181,10 +198,169 @@ impl Triangle {
     }
 }
 
-/// Signed volume of the edge p→q seen along `dir`, computed in one order for p→q and q→p so that the two exactly cancel.
-fn side(p: Vec3, q: Vec3, dir: Vec3) -> f64 {
+/// Signed volume spanned by the edge p→q and the line from `from` along `dir`, computed in one order for p→q and q→p so
+/// that the two exactly cancel. Its rounding grows with the length of the edge times the distance of the line's start.
+fn side(p: Vec3, q: Vec3, from: Vec3, dir: Vec3) -> f64 {
     let swap = (p.x, p.y, p.z) > (q.x, q.y, q.z);
     let (s, t) = if swap { (q, p) } else { (p, q) };
-    let volume = s.cross(t).dot(dir);
+    let volume = (t - s).dot(dir.cross(s - from));
     if swap { -volume } else { volume }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn vec3(range: f64) -> impl Strategy<Value = Vec3> {
+        [-range..range, -range..range, -range..range].prop_map(Vec3::from_array)
+    }
+
+    fn triangle() -> impl Strategy<Value = Triangle> {
+        (vec3(1.0), vec3(1.0), vec3(1.0)).prop_map(|(a, b, c)| Triangle { a, b, c })
+    }
+
+    fn moved(t: &Triangle, scale: f64, by: Vec3) -> Triangle {
+        let [a, b, c] = [t.a, t.b, t.c].map(|p| p * scale + by);
+        Triangle { a, b, c }
+    }
+
+    /// Smallest distance to `p` over a fine grid of weights: an upper bound that is nearly reached.
+    fn sampled_distance(t: &Triangle, p: Vec3) -> f64 {
+        let n = 60;
+        let mut least = f64::INFINITY;
+        for i in 0..=n {
+            for j in 0..=n - i {
+                let (u, v) = (i as f64 / n as f64, j as f64 / n as f64);
+                least = least.min(t.at([u, v, 1.0 - u - v]).distance(p));
+            }
+        }
+        least
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(96))]
+
+        #[test]
+        fn no_sampled_point_is_closer_than_the_closest(t in triangle(), p in vec3(2.0)) {
+            let found = t.closest_point(p);
+            let distance = found.point.distance(p);
+            prop_assert!(distance <= sampled_distance(&t, p) + 1e-12);
+            prop_assert!(sampled_distance(&t, p) <= distance + 0.06);
+            prop_assert!((found.barycentric.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            prop_assert!(found.barycentric.iter().all(|w| (0.0..=1.0).contains(w)));
+            prop_assert!(t.at(found.barycentric).distance(found.point) < 1e-12);
+        }
+
+        #[test]
+        fn the_closest_point_keeps_its_place_at_any_scale_and_far_from_the_origin(
+            t in triangle(), p in vec3(3.0), power in -20_i32..20, by in vec3(1e6),
+        ) {
+            let scale = libm::exp2(f64::from(power));
+            let near = t.closest_point(p).point;
+            let far = moved(&t, scale, by).closest_point(p * scale + by).point;
+            let (d, e) = (near.distance(p), (far - by).distance(p * scale) / scale);
+            let rounding = 1e-9 / scale + 1e-12;
+            prop_assert!((d - e).abs() <= rounding, "{d} {e}");
+        }
+
+        #[test]
+        fn from_far_away_the_closest_point_is_still_the_foot(
+            t in triangle(), u in 0.1_f64..0.8, height in 1.0_f64..1e7,
+        ) {
+            prop_assume!(t.area_mm2() > 0.05);
+            let w = [u, (1.0 - u) / 2.0, (1.0 - u) / 2.0];
+            let found = t.closest_point(t.at(w) + t.normal() * height);
+            prop_assert!(found.point.distance(t.at(w)) < 1e-14 * height + 1e-14);
+            prop_assert_eq!(found.feature, Feature::Face);
+        }
+
+        #[test]
+        fn a_segment_through_a_known_point_crosses_there(
+            t in triangle(), u in 0.01_f64..0.98, v in 0.0_f64..1.0, d in vec3(1.0), part in 0.05_f64..0.95,
+            power in -20_i32..20, by in vec3(1e3),
+        ) {
+            prop_assume!(t.area_mm2() > 0.05 && t.normal().dot(d).abs() > 0.1);
+            let scale = libm::exp2(f64::from(power));
+            let by = by * scale;
+            let w = [u, (1.0 - u) * (0.01 + 0.98 * v), (1.0 - u) * (0.99 - 0.98 * v)];
+            let t = moved(&t, scale, by);
+            let q = t.at(w);
+            let (from, to) = (q - d * (part * scale), q + d * ((1.0 - part) * scale));
+            let c = t.crossing(from, to);
+            prop_assert!(c.is_some());
+            let c = c.unwrap();
+            prop_assert!((c.t - part).abs() < 1e-9);
+            prop_assert!((0..3).all(|i| (c.barycentric[i] - w[i]).abs() < 1e-8));
+            prop_assert_eq!(c.inward, t.normal().dot(d) < 0.0);
+            let back = t.crossing(to, from).map(|c| c.inward);
+            prop_assert_eq!(back, Some(!c.inward));
+        }
+
+        #[test]
+        fn nothing_slips_between_triangles_that_share_an_edge_or_a_corner(
+            centre in vec3(1.0), aim in 0.0_f64..1.0, spoke in 0_usize..6, d in vec3(1.0), by in vec3(1e4),
+        ) {
+            // A fan of six about `centre`; the segment aims at a point of a spoke, or at the centre itself.
+            let rim = |i: usize| {
+                let angle = i as f64 * std::f64::consts::TAU / 6.0;
+                Vec3::new(libm::cos(angle), libm::sin(angle), 0.0) * 2.0 + by
+            };
+            let centre = centre * 0.3 + by;
+            let target = centre + (rim(spoke) - centre) * if aim < 0.2 { 0.0 } else { aim * 0.9 };
+            let d = Vec3::new(d.x * 0.3, d.y * 0.3, 1.0);
+            let hits = (0..6)
+                .filter(|&i| {
+                    let t = Triangle { a: centre, b: rim(i), c: rim(i + 1) };
+                    t.crossing(target + d, target - d).is_some_and(|c| c.inward)
+                })
+                .count();
+            prop_assert!(hits >= 1);
+        }
+    }
+
+    #[test]
+    fn degenerate_triangles_answer_with_their_edges_and_corners() {
+        let p = |x: f64| Vec3::new(x, 0.0, 0.0);
+        for [a, b, c] in [
+            [0.0, 1.0, 3.0],
+            [0.0, 3.0, 1.0],
+            [1.0, 0.0, 3.0],
+            [3.0, 1.0, 0.0],
+        ] {
+            let t = Triangle {
+                a: p(a),
+                b: p(b),
+                c: p(c),
+            };
+            for x in [-1.0, 0.0, 0.5, 2.0, 3.0, 5.0] {
+                let found = t.closest_point(Vec3::new(x, 2.0, 0.0)).point;
+                assert!(
+                    found.distance(p(x.clamp(0.0, 3.0))) < 1e-15,
+                    "{a} {b} {c}: {x}"
+                );
+            }
+            assert_eq!(t.crossing(Vec3::Z, -Vec3::Z), None);
+        }
+        let point = Triangle {
+            a: p(1.0),
+            b: p(1.0),
+            c: p(1.0),
+        };
+        assert_eq!(point.closest_point(Vec3::Y).point, p(1.0));
+    }
+
+    #[test]
+    fn a_segment_in_the_plane_does_not_cross() {
+        let t = Triangle {
+            a: Vec3::ZERO,
+            b: Vec3::X,
+            c: Vec3::Y,
+        };
+        let (from, to) = (Vec3::new(-1.0, 0.2, 0.0), Vec3::new(2.0, 0.2, 0.0));
+        assert_eq!(t.crossing(from, to), None);
+        assert_eq!(t.crossing(Vec3::splat(0.1), Vec3::splat(0.1)), None);
+        let nan = Vec3::new(0.1, f64::NAN, 0.1);
+        assert_eq!(t.crossing(nan, to), None);
+    }
 }

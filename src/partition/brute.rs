@@ -14,6 +14,9 @@ impl Partition for Brute {
     }
 
     fn nearest(&self, surface: &Surface, p: Vec3, max_mm: f64) -> Option<Nearest> {
+        if !p.is_finite() || !(max_mm >= 0.0) {
+            return None;
+        }
         let mut best: Option<Nearest> = None;
         let mut bound = max_mm * max_mm;
         for triangle in 0..surface.triangles().len() as u32 {
@@ -32,6 +35,9 @@ impl Partition for Brute {
     }
 
     fn sweep(&self, surface: &Surface, from: Vec3, to: Vec3, sides: Sides) -> Option<Hit> {
+        if !from.is_finite() || !(to - from).is_finite() {
+            return None;
+        }
         let mut best: Option<Hit> = None;
         for triangle in 0..surface.triangles().len() as u32 {
             let Some(c) = surface.triangle(triangle).crossing(from, to) else {

@@ -7,6 +7,7 @@ pub mod back;
 mod check;
 mod edges;
 pub mod io;
+pub mod primitives;
 mod topology;
 mod validate;
 

@@ -1,0 +1,63 @@
+//! One triangle as the walk sees it: its plane and on which side of its edges a point lies.
+
+use crate::geom::{Triangle, Vec3};
+use crate::surface::Surface;
+
+/// A triangle with a trustworthy normal.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Face {
+    pub(super) triangle: u32,
+    pub(super) vertices: [u32; 3],
+    pub(super) corners: [Vec3; 3],
+    /// Edge `i` from corner `i` to corner `i + 1`, mm.
+    pub(super) edges: [Vec3; 3],
+    /// Outward unit normal.
+    pub(super) normal: Vec3,
+    /// Twice the area times the normal, mm².
+    area_normal: Vec3,
+}
+
+impl Face {
+    /// `None` where the triangle is so thin that rounding of its corners decides its normal.
+    pub(super) fn of(surface: &Surface, triangle: u32) -> Option<Self> {
+        let vertices = *surface.triangles().get(triangle as usize)?;
+        let Triangle { a, b, c } = surface.triangle(triangle);
+        let edges = [b - a, c - b, a - c];
+        let area_normal = edges[0].cross(-edges[2]);
+        let area_sq = area_normal.length_squared();
+        let longest_sq = edges[0]
+            .length_squared()
+            .max(edges[1].length_squared())
+            .max(edges[2].length_squared());
+        let rounding_mm = 64.0 * f64::EPSILON * a.abs().max_element();
+        // Height over the longest edge against the rounding of a corner.
+        if !(area_sq > longest_sq * rounding_mm * rounding_mm && area_sq >= f64::MIN_POSITIVE) {
+            return None;
+        }
+        Some(Self {
+            triangle,
+            vertices,
+            corners: [a, b, c],
+            edges,
+            normal: area_normal / area_sq.sqrt(),
+            area_normal,
+        })
+    }
+
+    /// Height of `p` above the plane, mm.
+    pub(super) fn height(&self, p: Vec3) -> f64 {
+        (p - self.corners[0]).dot(self.normal)
+    }
+
+    /// How far `p` lies on the inner side of edge `i`: positive inside, in units of mm⁴ that are the same for all edges
+    /// (the weight of the opposite corner times the squared area).
+    pub(super) fn inside(&self, i: usize, p: Vec3) -> f64 {
+        self.area_normal
+            .dot(self.edges[i].cross(p - self.corners[i]))
+    }
+
+    /// The edge that starts at `vertex`, which must be one of the corners; edge 0 otherwise.
+    pub(super) fn edge_from(&self, vertex: u32) -> usize {
+        self.vertices.iter().position(|&v| v == vertex).unwrap_or(0)
+    }
+}

@@ -1,0 +1,52 @@
+//! Friction as METHOD reads Ji 2008, 4.2 and 4.6: the cone as a ratio of lengths, and the anchor of a device that
+//! reports only its force.
+
+use super::Friction;
+use crate::geom::Vec3;
+
+/// The friction cone in lengths: slip starts where |P − A| exceeds `starting` times the depth and goes on at `moving`
+/// times the depth. Both zero without friction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cone {
+    pub(super) starting: f64,
+    pub(super) moving: f64,
+    /// f_adj: normal over tangential stiffness.
+    pub(super) looseness: f64,
+}
+
+impl Cone {
+    pub(super) fn of(friction: Option<&Friction>) -> Self {
+        let positive = |v: f64, or: f64| if v.is_finite() && v > 0.0 { v } else { or };
+        let Some(f) = friction else {
+            return Self {
+                starting: 0.0,
+                moving: 0.0,
+                looseness: 1.0,
+            };
+        };
+        let looseness = positive(f.skin_looseness, 1.0);
+        let moving = positive(f.dynamic_coefficient, 0.0) * looseness;
+        Self {
+            starting: (positive(f.static_coefficient, 0.0) * looseness).max(moving),
+            moving,
+            looseness,
+        }
+    }
+}
+
+/// The anchor A, mm, of a device that reports only its proxy `foot_mm` (P), its position `hip_mm` (D) and its force
+/// (F): where the line through D along F meets the plane through P at right angles to `normal` (Ji 2008, 2.6, as METHOD
+/// reads it).
+///
+/// `None` without contact: no force, a force that does not push outward, or anything not finite. Agrees with
+/// [`Contact::anchor_mm`](super::Contact::anchor_mm) where f_adj is 1; else the skin's tangential stiffness is not that
+/// of the device.
+pub fn anchor_from(foot_mm: Vec3, hip_mm: Vec3, force_n: Vec3, normal: Vec3) -> Option<Vec3> {
+    let outward_n = force_n.dot(normal);
+    let depth_mm = (foot_mm - hip_mm).dot(normal);
+    if !(outward_n > 0.0 && depth_mm >= 0.0) {
+        return None;
+    }
+    let anchor = hip_mm + force_n * (depth_mm / outward_n);
+    anchor.is_finite().then_some(anchor)
+}

@@ -1,0 +1,393 @@
+//! The walk: how a proxy on the surface follows its HIP.
+//!
+//! The proxy goes down the distance to the HIP the steepest way there is: straight across a face towards the HIP's foot
+//! on its plane, over an edge where the next face leads further down, along the edge where neither does (a valley: two
+//! constraints), from a corner into the steepest face or edge, and rests where none goes down (a pit: three). Each
+//! step is decided by the triangles it touches, never by a small distance, and all are taken within one tick.
+//!
+//! Which side the HIP is on is read off the closest of the faces, edges and corner where the proxy stands, with the
+//! normal of the face, the sum at an edge, or the angle-weighted normal at a corner (Bærentzen & Aanæs 2005): this is
+//! exact, also for creases and wedges, where the planes taken one by one contradict each other.
+//!
+//! With friction the same walk ends earlier: where the HIP's foot is within the cone.
+
+use super::face::Face;
+use super::friction::Cone;
+use crate::geom::{Vec3, unit_or};
+use crate::surface::{RIM, Surface};
+
+/// Most steps of one walk. A tick at 10 m/s over 0.1 mm triangles takes some 200; what is left waits for the next tick,
+/// on the surface.
+const MAX_STEPS: u32 = 4096;
+/// Anything nearer than this share of the cone's radius counts as in it: a proxy put on the cone stays there.
+const ON_CONE: f64 = 1.0 + 1e-12;
+
+/// Where a walk ended.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Outcome {
+    /// In contact.
+    Rests(Rest),
+    /// The HIP is outside the surface as seen from here.
+    Lifts(Footing),
+    /// The HIP is beyond a rim.
+    SlidesOff(Footing),
+}
+
+/// A proxy in contact.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rest {
+    pub(super) triangle: u32,
+    pub(super) proxy: Vec3,
+    /// Outward unit normal of what carries the proxy: of the face, or from HIP to proxy at edges and corners.
+    pub(super) normal: Vec3,
+    /// Depth of the HIP below the plane through the proxy, mm, ≥ 0.
+    pub(super) depth: f64,
+    /// The HIP's foot on that plane.
+    pub(super) foot: Vec3,
+    pub(super) slipped: bool,
+}
+
+/// A point on the surface from which to leave it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Footing {
+    pub(super) triangle: u32,
+    pub(super) point: Vec3,
+}
+
+#[derive(Clone, Copy)]
+enum At {
+    Face(Face, Vec3),
+    /// On edge `.1` of a face, having come over that face.
+    Edge(Face, usize, Vec3),
+    Vertex(u32),
+}
+
+/// Everything a walk needs besides where it starts.
+pub(super) struct Walk<'a> {
+    pub(super) surface: &'a Surface,
+    pub(super) hip: Vec3,
+    pub(super) cone: Cone,
+    /// How far above a plane the HIP must be to have left it, mm: above the rounding of heights, so that a HIP on the
+    /// surface stays in contact, with no force.
+    pub(super) lift: f64,
+}
+
+impl Walk<'_> {
+    /// Walks from `proxy` on `triangle`. `slipping` says whether friction is dynamic from the start.
+    pub(super) fn run(&self, triangle: u32, proxy: Vec3, slipping: bool) -> Outcome {
+        let mut radius = if slipping {
+            self.cone.moving
+        } else {
+            self.cone.starting
+        };
+        let mut slipped = false;
+        let mut last_vertex = RIM;
+        let Some(mut at) = self.on_face(triangle, proxy) else {
+            return Outcome::Lifts(Footing {
+                triangle,
+                point: proxy,
+            });
+        };
+        let mut here = Footing {
+            triangle,
+            point: proxy,
+        };
+        for _ in 0..MAX_STEPS {
+            let step = match at {
+                At::Face(face, p) => {
+                    here = Footing {
+                        triangle: face.triangle,
+                        point: p,
+                    };
+                    self.cross_face(&face, p, radius)
+                }
+                At::Edge(face, i, q) => {
+                    here = Footing {
+                        triangle: face.triangle,
+                        point: q,
+                    };
+                    self.pass_edge(&face, i, q, radius)
+                }
+                At::Vertex(v) => {
+                    let again = v == last_vertex;
+                    last_vertex = v;
+                    here.point = self.surface.positions()[v as usize];
+                    self.pass_vertex(v, here, again)
+                }
+            };
+            match step {
+                Step::Go(next) => at = next,
+                Step::Slip(next) => {
+                    at = next;
+                    slipped = true;
+                    radius = self.cone.moving;
+                }
+                Step::End(Outcome::Rests(mut rest)) => {
+                    rest.slipped |= slipped;
+                    return Outcome::Rests(rest);
+                }
+                Step::End(outcome) => return outcome,
+            }
+        }
+        Outcome::Rests(self.rest_in_plane(here))
+    }
+
+    /// A rest at `here` however far the walk has come, on the plane of its triangle.
+    pub(super) fn rest_in_plane(&self, here: Footing) -> Rest {
+        let (normal, height) = match Face::of(self.surface, here.triangle) {
+            Some(face) => (face.normal, face.height(self.hip)),
+            None => (unit_or(here.point - self.hip, Vec3::Z), 0.0),
+        };
+        let depth = (-height).max(0.0);
+        Rest {
+            triangle: here.triangle,
+            proxy: here.point,
+            normal,
+            depth,
+            foot: self.hip - normal * height,
+            slipped: true,
+        }
+    }
+
+    /// Starts on `triangle`, or beyond it where it is too thin to have a plane.
+    fn on_face(&self, triangle: u32, p: Vec3) -> Option<At> {
+        if let Some(face) = Face::of(self.surface, triangle) {
+            return Some(At::Face(face, p));
+        }
+        let vertices = self.surface.triangles().get(triangle as usize)?;
+        let to = vertices.map(|v| self.surface.positions()[v as usize].distance_squared(p));
+        let nearest = (0..3).fold(0, |m, i| if to[i] < to[m] { i } else { m });
+        Some(At::Vertex(vertices[nearest]))
+    }
+
+    fn cross_face(&self, face: &Face, p: Vec3, radius: f64) -> Step {
+        let height = face.height(self.hip);
+        if height > self.lift {
+            return Step::End(Outcome::Lifts(Footing {
+                triangle: face.triangle,
+                point: p,
+            }));
+        }
+        let depth = (-height).max(0.0);
+        let foot = self.hip - face.normal * height;
+        let reach = radius * depth;
+        let pull = foot - p;
+        let distance = pull.length();
+        let rest = |proxy, slipped| {
+            Step::End(Outcome::Rests(Rest {
+                triangle: face.triangle,
+                proxy,
+                normal: face.normal,
+                depth,
+                foot,
+                slipped,
+            }))
+        };
+        if distance <= reach * ON_CONE {
+            return rest(p, false);
+        }
+        let reach = self.cone.moving * depth;
+        let share = if reach > 0.0 {
+            ((distance - reach) / distance).max(0.0)
+        } else {
+            1.0
+        };
+        let mut exit: Option<(f64, usize)> = None;
+        for i in 0..3 {
+            let start = face.inside(i, p).max(0.0);
+            let end = start + (face.inside(i, self.hip) - start) * share;
+            if end < 0.0 {
+                let fraction = start / (start - end);
+                if exit.is_none_or(|(first, _)| fraction < first) {
+                    exit = Some((fraction, i));
+                }
+            }
+        }
+        match exit {
+            None if reach > 0.0 => rest(p + pull * share, true),
+            None => rest(foot, true),
+            Some((fraction, i)) => {
+                Step::Slip(self.onto_edge(face, i, p + pull * (share * fraction)))
+            }
+        }
+    }
+
+    /// The point of edge `i` nearest to `q`, or its end.
+    fn onto_edge(&self, face: &Face, i: usize, q: Vec3) -> At {
+        let edge = face.edges[i];
+        let along = (q - face.corners[i]).dot(edge) / edge.length_squared();
+        if along <= 0.0 {
+            At::Vertex(face.vertices[i])
+        } else if along >= 1.0 {
+            At::Vertex(face.vertices[(i + 1) % 3])
+        } else {
+            At::Edge(*face, i, face.corners[i] + edge * along)
+        }
+    }
+
+    fn pass_edge(&self, face: &Face, i: usize, q: Vec3, radius: f64) -> Step {
+        let here = Footing {
+            triangle: face.triangle,
+            point: q,
+        };
+        let across = self.surface.topology().across(face.triangle)[i];
+        if across == RIM {
+            return Step::End(Outcome::SlidesOff(here));
+        }
+        let Some(other) = Face::of(self.surface, across) else {
+            return Step::Go(self.over_sliver(face, i, across, q));
+        };
+        let back = other.edge_from(face.vertices[(i + 1) % 3]);
+        if other.inside(back, self.hip) > 0.0 {
+            return Step::Go(At::Face(other, q));
+        }
+        let down = self.hip - q;
+        let outward = face.normal + other.normal;
+        if outward.length_squared() < 1e-18 {
+            return Step::End(Outcome::SlidesOff(here));
+        }
+        if down.dot(outward) > self.lift {
+            let higher = if down.dot(face.normal) >= down.dot(other.normal) {
+                face
+            } else {
+                &other
+            };
+            return Step::End(Outcome::Lifts(Footing {
+                triangle: higher.triangle,
+                point: q,
+            }));
+        }
+        let direction = unit_or(face.edges[i], Vec3::ZERO);
+        let along = down.dot(direction);
+        let across_mm = down - direction * along;
+        let depth = across_mm.length();
+        let rest = |proxy: Vec3, slipped| {
+            Step::End(Outcome::Rests(Rest {
+                triangle: face.triangle,
+                proxy,
+                normal: unit_or(-across_mm, unit_or(outward, face.normal)),
+                depth,
+                foot: q + direction * along,
+                slipped,
+            }))
+        };
+        if along.abs() <= radius * depth * ON_CONE {
+            return rest(q, false);
+        }
+        let way = along - (self.cone.moving * depth).min(along.abs()).copysign(along);
+        match self.onto_edge(face, i, q + direction * way) {
+            At::Edge(_, _, target) => rest(target, true),
+            end => Step::Slip(end),
+        }
+    }
+
+    /// From edge `i` of `face` to the far side of `sliver`, a triangle too thin to walk on: through that of its other
+    /// edges that is nearer.
+    fn over_sliver(&self, face: &Face, i: usize, sliver: u32, q: Vec3) -> At {
+        let nearer = if (q - face.corners[i]).length_squared()
+            < (q - face.corners[(i + 1) % 3]).length_squared()
+        {
+            i
+        } else {
+            (i + 1) % 3
+        };
+        let Some(vertices) = self.surface.triangles().get(sliver as usize) else {
+            return At::Vertex(face.vertices[nearer]);
+        };
+        let back = vertices
+            .iter()
+            .position(|&v| v == face.vertices[(i + 1) % 3])
+            .unwrap_or(0);
+        let triangle = self.surface.triangle(sliver);
+        let corners = [triangle.a, triangle.b, triangle.c];
+        let off = |j: usize| {
+            let (a, b) = (corners[j % 3], corners[(j + 1) % 3]);
+            let t = ((q - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+            let d = (a + (b - a) * t).distance_squared(q);
+            if d.is_finite() { d } else { f64::MAX }
+        };
+        let j = if off(back + 1) <= off(back + 2) {
+            (back + 1) % 3
+        } else {
+            (back + 2) % 3
+        };
+        match self.surface.topology().across(sliver)[j] {
+            RIM => At::Vertex(face.vertices[nearer]),
+            beyond => match Face::of(self.surface, beyond) {
+                Some(next) => At::Face(next, q),
+                None => At::Vertex(face.vertices[nearer]),
+            },
+        }
+    }
+
+    fn pass_vertex(&self, v: u32, from: Footing, again: bool) -> Step {
+        let p = self.surface.positions()[v as usize];
+        let down = self.hip - p;
+        let topology = self.surface.topology();
+        let mut best: Option<(f64, At)> = None;
+        let mut open = false;
+        let mut highest: Option<(f64, u32)> = None;
+        let mut offer = |rate: f64, at: At| {
+            if rate > self.lift && best.is_none_or(|(most, _)| rate > most) {
+                best = Some((rate, at));
+            }
+        };
+        for &t in topology.triangles_of(v) {
+            let Some(face) = Face::of(self.surface, t) else {
+                continue;
+            };
+            let out = face.edge_from(v);
+            let back = (out + 2) % 3;
+            let across = topology.across(t);
+            open |= across[out] == RIM || across[back] == RIM;
+            let height = down.dot(face.normal);
+            if highest.is_none_or(|(most, _)| height > most) {
+                highest = Some((height, t));
+            }
+            if face.inside(out, self.hip) > 0.0 && face.inside(back, self.hip) > 0.0 {
+                offer((down - face.normal * height).length(), At::Face(face, p));
+            }
+            offer(
+                down.dot(unit_or(face.edges[out], Vec3::ZERO)),
+                At::Edge(face, out, p),
+            );
+            offer(
+                -down.dot(unit_or(face.edges[back], Vec3::ZERO)),
+                At::Edge(face, back, p),
+            );
+        }
+        let Some((height, triangle)) = highest else {
+            return Step::End(Outcome::Rests(self.rest_in_plane(from)));
+        };
+        let here = Footing { triangle, point: p };
+        if let Some((_, at)) = best
+            && !again
+        {
+            return Step::Slip(at);
+        }
+        let tangential = down.length_squared() - height * height;
+        if open && tangential > self.lift * self.lift {
+            return Step::End(Outcome::SlidesOff(here));
+        }
+        if !open && down.dot(self.surface.normals()[v as usize]) > self.lift {
+            return Step::End(Outcome::Lifts(here));
+        }
+        let depth = down.length();
+        Step::End(Outcome::Rests(Rest {
+            triangle,
+            proxy: p,
+            normal: unit_or(-down, self.surface.normals()[v as usize]),
+            depth,
+            foot: p,
+            slipped: true,
+        }))
+    }
+}
+
+enum Step {
+    /// On to another place without having moved.
+    Go(At),
+    /// On to another place after a motion: friction is dynamic from here.
+    Slip(At),
+    End(Outcome),
+}
