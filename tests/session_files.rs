@@ -1,5 +1,7 @@
 //! Session files: what is written is what is read, by us, by the schema in the file, by Python, and after damage.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 use dorsum::contact::{Contact, Touch};
 use dorsum::device::Reading;
 use dorsum::geom::Vec3;

@@ -1,5 +1,7 @@
 //! The recorder beside a running servo: everything is written, what cannot be is told, and a kill costs a second at most.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 use dorsum::servo::FingerRecord;
 use dorsum::session::writer::Store;
 use dorsum::session::{

@@ -1,17 +1,23 @@
 //! Replays: the recorded inputs through the same tick give the same bits, and where they do not, the report says so.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 use dorsum::contact::{Friction, Stiffness, TouchScene};
-use dorsum::device::Reading;
+use dorsum::device::scripted::{Script, Scripted};
+use dorsum::device::{Device, Reading};
 use dorsum::geom::Vec3;
 use dorsum::partition::bvh::Bvh;
-use dorsum::servo::{FingerRecord, Limits, Rig, TickInput, TickRecord, tick};
+use dorsum::servo::{
+    self, Command, FingerRecord, Limits, Rig, ServoConfig, TickInput, TickRecord, tick,
+};
 use dorsum::session::{
-    DeviceInfo, Header, IfExists, MeshSource, Playback, Session, SessionError, SessionWriter,
-    Strictness, check, resimulate,
+    DeviceInfo, Header, IfExists, MeshSource, Playback, RecorderThread, Session, SessionError,
+    SessionWriter, Strictness, check, resimulate,
 };
 use dorsum::surface::{RawMesh, Surface};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 const DT_S: f64 = 1.0 / 1000.0;
 const LIMITS: Limits = Limits {
@@ -275,4 +281,47 @@ fn playback_shows_the_recorded_records() {
         }
     }
     assert!(seen.len() >= 299);
+}
+
+fn scripted(x: f64) -> Box<dyn Device> {
+    let script = Script::Tap.trajectory((x, 0.0), 4.0, |x, _| Some(0.2 * x));
+    Box::new(Scripted::new(script))
+}
+
+#[test]
+fn a_live_run_replays_bit_for_bit_through_a_stop_and_a_change_of_device() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("live.mcap");
+    let devices = vec![scripted(-10.0), scripted(15.0)];
+    let (servo, mut lines) = servo::start(ServoConfig::default(), rig(0.2), devices).unwrap();
+    let recorder = RecorderThread::spawn(lines.records, None).unwrap();
+    recorder.start(&path, header()).unwrap();
+    let wait_for = |ticks: u64| {
+        let until = Instant::now() + Duration::from_secs(20);
+        while recorder.status().ticks < ticks {
+            assert!(Instant::now() < until, "{:?}", recorder.status());
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    };
+    let orders = [
+        Command::EnableForce(false),
+        Command::SetDevice(1, scripted(5.0)),
+        Command::EnableForce(true),
+    ];
+    for (order, ticks) in orders.into_iter().zip([300, 400, 500]) {
+        wait_for(ticks);
+        assert!(lines.commands.push(order).is_ok());
+    }
+    wait_for(900);
+    drop(servo);
+    let summary = recorder.stop().unwrap();
+    assert_eq!(summary.lost, 0);
+    let session = Session::open(&path).unwrap();
+    let report = check(&session, rig(0.2), Strictness::Strict).unwrap();
+    assert!(report.is_bit_exact(), "{:?}", report.first_difference);
+    assert_eq!((report.ticks, report.gaps), (summary.ticks, 0));
+    let recording = session.load(Strictness::Strict).unwrap();
+    let second = &recording.fingers[1];
+    assert_eq!(second.iter().filter(|r| r.placed_anew).count(), 1);
+    assert!(second.iter().any(|r| !r.force_enabled));
 }

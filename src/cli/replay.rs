@@ -60,7 +60,7 @@ pub fn run(args: &ReplayArgs, json: bool) -> Result<Outcome, CliError> {
         for record in pair.recorded.fingers() {
             summary.add(record);
         }
-        if summary.ticks % 1024 == 0 {
+        if summary.ticks.is_multiple_of(1024) {
             bar.set_position((done * 1000.0) as u64);
         }
     });

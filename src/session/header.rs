@@ -289,7 +289,8 @@ pub(super) mod tests {
 
     #[test]
     fn what_a_reader_would_refuse_is_not_written() {
-        let broken: [(&str, fn(&mut Header)); 5] = [
+        type Damage = fn(&mut Header);
+        let broken: [(&str, Damage); 5] = [
             ("rate_hz", |h| h.rate_hz = f64::NAN),
             ("rate_hz", |h| h.rate_hz = 0.0),
             ("fingers", |h| h.devices.clear()),

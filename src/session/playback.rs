@@ -154,28 +154,28 @@ impl Playback {
     }
 
     /// Goes to the next event behind the instant; `None`, and stays, when there is none.
-    pub fn to_next_event(&mut self) -> Option<&Event> {
+    pub fn seek_next_event(&mut self) -> Option<&Event> {
         let now_ns = self.at_ns();
         let found = self
             .recording
             .events
             .iter()
             .position(|e| e.time_ns > now_ns);
-        self.to_event(found)
+        self.seek_event(found)
     }
 
     /// Goes to the last event before the instant; `None`, and stays, when there is none.
-    pub fn to_previous_event(&mut self) -> Option<&Event> {
+    pub fn seek_previous_event(&mut self) -> Option<&Event> {
         let now_ns = self.at_ns();
         let found = self
             .recording
             .events
             .iter()
             .rposition(|e| e.time_ns < now_ns);
-        self.to_event(found)
+        self.seek_event(found)
     }
 
-    fn to_event(&mut self, index: Option<usize>) -> Option<&Event> {
+    fn seek_event(&mut self, index: Option<usize>) -> Option<&Event> {
         let event = &self.recording.events[index?];
         let at_s = s_from_ns(event.time_ns.saturating_sub(self.span_ns.0));
         self.at_s = at_s.min(self.duration_s());
@@ -313,12 +313,12 @@ mod tests {
     #[test]
     fn events_are_followed_both_ways() {
         let mut p = playback();
-        assert_eq!(p.to_next_event().map(|e| e.tick), Some(102));
-        assert_eq!(p.to_next_event().map(|e| e.tick), Some(107));
+        assert_eq!(p.seek_next_event().map(|e| e.tick), Some(102));
+        assert_eq!(p.seek_next_event().map(|e| e.tick), Some(107));
         assert_eq!(tick(&p), 107);
-        assert_eq!(p.to_next_event(), None);
-        assert_eq!(p.to_previous_event().map(|e| e.tick), Some(102));
-        assert_eq!(p.to_previous_event(), None);
+        assert_eq!(p.seek_next_event(), None);
+        assert_eq!(p.seek_previous_event().map(|e| e.tick), Some(102));
+        assert_eq!(p.seek_previous_event(), None);
         assert_eq!(tick(&p), 102);
     }
 
@@ -354,7 +354,7 @@ mod tests {
         p.play();
         let _ = p.advance(1.0);
         p.step(1);
-        assert_eq!(p.to_next_event(), None);
+        assert_eq!(p.seek_next_event(), None);
         assert_eq!(p.at().fingers(), [FingerRecord::default(); 2]);
         assert_eq!(p.duration_s(), 0.0);
     }

@@ -1,0 +1,148 @@
+//! `dorsum replay`: what it prints and how it exits.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use dorsum::servo::FingerRecord;
+use dorsum::session::{Entry, IfExists, Session, SessionWriter, Strictness};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn dorsum(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_dorsum"));
+    command.args(arguments).output().unwrap()
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+/// A second of pressing on the default scene.
+fn recorded(folder: &Path) -> PathBuf {
+    let path = folder.join("a.mcap");
+    let text = path.to_str().unwrap();
+    let run = dorsum(&[
+        "run",
+        "FIRST.toml",
+        "--script",
+        "press",
+        "--fast",
+        "--record",
+        text,
+    ]);
+    assert!(
+        run.status.success(),
+        "{}",
+        String::from_utf8_lossy(&run.stderr)
+    );
+    path
+}
+
+/// The same session with one record changed.
+fn rewritten(from: &Path, to: &Path, change: impl Fn(&mut FingerRecord)) {
+    let session = Session::open(from).unwrap();
+    let mut writer = SessionWriter::create(to, session.header(), IfExists::Refuse).unwrap();
+    for entry in session.entries(Strictness::Strict).unwrap() {
+        if let Entry::Tick(mut record) = entry.unwrap() {
+            change(&mut record);
+            writer.write(&record).unwrap();
+        }
+    }
+    writer.finish().unwrap();
+}
+
+#[test]
+fn a_recorded_run_is_bit_exact_and_a_changed_one_is_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = recorded(folder.path());
+    let output = dorsum(&["replay", path.to_str().unwrap(), "--check"]);
+    let text = stdout(&output);
+    assert_eq!(output.status.code(), Some(0), "{text}");
+    assert_eq!(
+        text.lines().last(),
+        Some("bit-exact: 2001 ticks of 1 finger")
+    );
+    assert!(output.stderr.is_empty());
+
+    let changed = folder.path().join("changed.mcap");
+    rewritten(&path, &changed, |r| {
+        if r.tick == 1000 {
+            r.contact.anchor_mm.x = f64::from_bits(r.contact.anchor_mm.x.to_bits() ^ 1);
+        }
+    });
+    let output = dorsum(&["replay", changed.to_str().unwrap(), "--check"]);
+    let text = stdout(&output);
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert!(
+        text.contains("not bit-exact: tick 1000, finger 0, anchor_mm.x: recorded "),
+        "{text}"
+    );
+    assert_eq!(
+        dorsum(&["replay", changed.to_str().unwrap()]).status.code(),
+        Some(0)
+    );
+}
+
+#[test]
+fn json_is_one_document_with_the_same_answer() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = recorded(folder.path());
+    let output = dorsum(&["replay", path.to_str().unwrap(), "--check", "--json"]);
+    let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(document["bit_exact"], true);
+    assert_eq!(document["replay"]["ticks"], 2001);
+    assert_eq!(
+        document["replay"]["first_difference"],
+        serde_json::Value::Null
+    );
+    assert_eq!(document["summary"]["ticks"], 2001);
+    assert_eq!(document["surface"], "builtin:back");
+}
+
+#[test]
+fn a_cut_recording_is_replayed_as_far_as_it_goes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = recorded(folder.path());
+    let bytes = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &bytes[..bytes.len() * 3 / 4]).unwrap();
+    let output = dorsum(&["replay", path.to_str().unwrap(), "--check"]);
+    let text = stdout(&output);
+    assert_eq!(output.status.code(), Some(0), "{text}");
+    assert!(
+        text.contains("\nunfinished ") && text.contains("\nbit-exact: "),
+        "{text}"
+    );
+}
+
+#[test]
+fn bad_input_is_one_line_and_exit_code_2() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = recorded(folder.path());
+    let missing = folder.path().join("missing.mcap");
+    let scenario = folder.path().join("missing.toml");
+    let other = folder.path().join("other.toml");
+    let session = Session::open(&path).unwrap();
+    let coarser = |line: &str| match line.strip_prefix("triangles = ") {
+        Some(_) => "triangles = 2962".to_owned(),
+        None => line.to_owned(),
+    };
+    let lines = session.header().scenario_toml.lines().map(coarser);
+    std::fs::write(&other, lines.collect::<Vec<_>>().join("\n")).unwrap();
+    let [path, missing, scenario, other] =
+        [&path, &missing, &scenario, &other].map(|p| p.to_str().unwrap());
+    let cases: [&[&str]; 4] = [
+        &["replay", missing],
+        &["replay", path, "--scenario", scenario],
+        &["replay", path, "--scenario", other],
+        &["replay"],
+    ];
+    for case in cases {
+        let output = dorsum(case);
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{case:?}: {error}");
+        assert_eq!(error.trim_end().lines().count(), 1, "{error}");
+        assert!(output.stdout.is_empty());
+    }
+    let output = dorsum(&["replay", path, "--scenario", other]);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(error.contains("recorded on surface"), "{error}");
+}
