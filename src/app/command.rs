@@ -1,32 +1,360 @@
 //! What a user can ask for, and how panels ask for it.
+//!
+//! [`Action`] is the one list of things with a name: menu, palette, keys and tooltips derive from it. [`Command`] is what
+//! travels: an action or a wish that carries a value.
 
+use super::messages::Level;
+use egui::{Key, KeyboardShortcut, Modifiers};
+use egui_material_icons::MaterialIcon;
+use egui_material_icons::icons as icon;
 use std::path::PathBuf;
-use std::sync::mpsc;
+use std::sync::{Arc, mpsc};
 
 /// A wish sent to the bench or the shell, applied in one `match`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
+    /// Something from the list.
+    Do(Action),
     /// Open a scenario file.
     OpenScenario(PathBuf),
+    /// Open an embedded example by its file name.
+    OpenExample(&'static str),
+    /// Stop building the scene that is being built.
+    CancelBuild,
     /// Switch force output on or off.
     EnableForce(bool),
+    /// Open a recording.
+    OpenRecording(PathBuf),
+    /// Copy a recording to another place.
+    CopyRecording {
+        /// The recording.
+        from: PathBuf,
+        /// The new file.
+        to: PathBuf,
+    },
+    /// Go to a time of the open recording, s.
+    Seek(f64),
+    /// Let time of the open recording run or stand.
+    SetPlaying(bool),
+    /// Replay at this speed, 1 is real time.
+    SetSpeed(f64),
+    /// Start over at the end of the recording, or stay there.
+    SetLooped(bool),
+    /// Show a panel and bring it to the front.
+    ShowPanel(&'static str),
+    /// Close a panel.
+    ClosePanel(&'static str),
+    /// Give a panel a window of its own.
+    PopOut(&'static str),
+    /// Bring a panel back from its own window.
+    DockBack(&'static str),
+    /// Add a line to the messages.
+    Tell(Level, String),
 }
 
-/// The sending end of the bounded queue of commands.
-#[derive(Clone, Debug)]
-pub struct CommandSender(mpsc::SyncSender<Command>);
+/// Everything a user can ask for by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[expect(missing_docs, reason = "each is documented by its tooltip")]
+pub enum Action {
+    OpenScenario,
+    OpenRecording,
+    SaveRecordingAs,
+    Quit,
+    Record,
+    PlayPause,
+    StepBack,
+    StepForward,
+    BackToLive,
+    StopForce,
+    AllowForce,
+    ToggleTheme,
+    Fullscreen,
+    Palette,
+    ResetLayout,
+    ResetTiming,
+    ClearMessages,
+}
 
-impl CommandSender {
-    /// Sends a command. When the queue is full, which takes hundreds of commands within one frame, it is dropped.
-    pub fn send(&self, command: Command) {
-        if self.0.try_send(command).is_err() {
-            log::warn!("too many commands at once: one was dropped");
+/// Which menu an action is in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the names of the menus")]
+pub enum Menu {
+    File,
+    Session,
+    View,
+}
+
+/// What there is to know about an action.
+#[derive(Clone, Copy, Debug)]
+pub struct ActionSpec {
+    /// Its name in menus, sentence case; "…" when a dialog follows.
+    pub text: &'static str,
+    /// Why one would want it.
+    pub tooltip: &'static str,
+    /// Its icon.
+    pub icon: MaterialIcon,
+    /// Its menu.
+    pub menu: Menu,
+    /// Its key.
+    pub shortcut: Option<KeyboardShortcut>,
+}
+
+const fn ctrl(key: Key) -> Option<KeyboardShortcut> {
+    Some(KeyboardShortcut::new(Modifiers::COMMAND, key))
+}
+
+const fn ctrl_shift(key: Key) -> Option<KeyboardShortcut> {
+    Some(KeyboardShortcut::new(
+        Modifiers::COMMAND.plus(Modifiers::SHIFT),
+        key,
+    ))
+}
+
+const fn plain(key: Key) -> Option<KeyboardShortcut> {
+    Some(KeyboardShortcut::new(Modifiers::NONE, key))
+}
+
+impl Action {
+    /// All of them, in the order of the menus.
+    pub const ALL: [Self; 17] = [
+        Self::OpenScenario,
+        Self::OpenRecording,
+        Self::SaveRecordingAs,
+        Self::Quit,
+        Self::Record,
+        Self::PlayPause,
+        Self::StepBack,
+        Self::StepForward,
+        Self::BackToLive,
+        Self::StopForce,
+        Self::AllowForce,
+        Self::ToggleTheme,
+        Self::Fullscreen,
+        Self::Palette,
+        Self::ResetLayout,
+        Self::ResetTiming,
+        Self::ClearMessages,
+    ];
+
+    /// What there is to know about it.
+    pub fn spec(self) -> ActionSpec {
+        let (menu, text, tooltip, icon, shortcut) = match self {
+            Self::OpenScenario => (
+                Menu::File,
+                "Open scenario…",
+                "Feel another back: choose a scenario file",
+                icon::ICON_FOLDER_OPEN,
+                ctrl(Key::O),
+            ),
+            Self::OpenRecording => (
+                Menu::File,
+                "Open recording…",
+                "Replay a session recorded earlier",
+                icon::ICON_HISTORY,
+                ctrl_shift(Key::O),
+            ),
+            Self::SaveRecordingAs => (
+                Menu::File,
+                "Save recording as…",
+                "Copy the open or the last recording to a place of your choice",
+                icon::ICON_SAVE_AS,
+                ctrl_shift(Key::S),
+            ),
+            Self::Quit => (
+                Menu::File,
+                "Quit",
+                "Close the workbench; a running recording is finished first",
+                icon::ICON_LOGOUT,
+                ctrl(Key::Q),
+            ),
+            Self::Record => (
+                Menu::Session,
+                "Record or stop",
+                "Write every tick of every finger to a session file, or finish it",
+                icon::ICON_FIBER_MANUAL_RECORD,
+                ctrl(Key::R),
+            ),
+            Self::PlayPause => (
+                Menu::Session,
+                "Play or pause",
+                "Let the time of the open recording run or stand still",
+                icon::ICON_PLAY_ARROW,
+                plain(Key::Space),
+            ),
+            Self::StepBack => (
+                Menu::Session,
+                "Step back",
+                "Go one tick back in the open recording",
+                icon::ICON_SKIP_PREVIOUS,
+                plain(Key::Comma),
+            ),
+            Self::StepForward => (
+                Menu::Session,
+                "Step forward",
+                "Go one tick on in the open recording",
+                icon::ICON_SKIP_NEXT,
+                plain(Key::Period),
+            ),
+            Self::BackToLive => (
+                Menu::Session,
+                "Back to live",
+                "Close the recording and show the fingers as they are now",
+                icon::ICON_SENSORS,
+                ctrl(Key::L),
+            ),
+            Self::StopForce => (
+                Menu::Session,
+                "Stop force",
+                "Emergency stop: every device goes to zero force at once and stays there",
+                icon::ICON_FRONT_HAND,
+                plain(Key::Escape),
+            ),
+            Self::AllowForce => (
+                Menu::Session,
+                "Allow force",
+                "Let the devices render force again after a stop",
+                icon::ICON_BOLT,
+                ctrl(Key::E),
+            ),
+            Self::ToggleTheme => (
+                Menu::View,
+                "Light or dark",
+                "Change between the light and the dark window",
+                icon::ICON_DARK_MODE,
+                ctrl(Key::T),
+            ),
+            Self::Fullscreen => (
+                Menu::View,
+                "Full screen",
+                "Use the whole screen, or a window again",
+                icon::ICON_FULLSCREEN,
+                plain(Key::F11),
+            ),
+            Self::Palette => (
+                Menu::View,
+                "Find a command…",
+                "Type part of a name to run any command or open any panel",
+                icon::ICON_SEARCH,
+                ctrl(Key::P),
+            ),
+            Self::ResetLayout => (
+                Menu::View,
+                "Reset layout",
+                "Put every panel back where it was at first",
+                icon::ICON_DASHBOARD,
+                None,
+            ),
+            Self::ResetTiming => (
+                Menu::View,
+                "Reset timing",
+                "Start the servo's timing statistics anew",
+                icon::ICON_RESTART_ALT,
+                None,
+            ),
+            Self::ClearMessages => (
+                Menu::View,
+                "Clear messages",
+                "Forget all messages so far",
+                icon::ICON_DELETE,
+                None,
+            ),
+        };
+        ActionSpec {
+            text,
+            tooltip,
+            icon,
+            menu,
+            shortcut,
         }
+    }
+
+    /// Actions whose key works only while a recording is open.
+    pub fn needs_recording(self) -> bool {
+        matches!(
+            self,
+            Self::PlayPause | Self::StepBack | Self::StepForward | Self::BackToLive
+        )
     }
 }
 
-/// A bounded queue of commands.
-pub fn queue() -> (CommandSender, mpsc::Receiver<Command>) {
-    let (sender, receiver) = mpsc::sync_channel(256);
-    (CommandSender(sender), receiver)
+/// The key that toggles the panel at `index` of the list of panels: Ctrl+1 for the first.
+pub fn panel_shortcut(index: usize) -> Option<KeyboardShortcut> {
+    const KEYS: [Key; 9] = [
+        Key::Num1,
+        Key::Num2,
+        Key::Num3,
+        Key::Num4,
+        Key::Num5,
+        Key::Num6,
+        Key::Num7,
+        Key::Num8,
+        Key::Num9,
+    ];
+    KEYS.get(index)
+        .map(|key| KeyboardShortcut::new(Modifiers::COMMAND, *key))
+}
+
+/// The sending end of the bounded queue of commands.
+#[derive(Clone)]
+pub struct CommandSender {
+    queue: mpsc::SyncSender<Command>,
+    wake: Arc<dyn Fn() + Send + Sync>,
+}
+
+impl CommandSender {
+    /// Sends a command and wakes the main window. When the queue is full, which takes hundreds of commands within one
+    /// frame, it is dropped.
+    pub fn send(&self, command: Command) {
+        if self.queue.try_send(command).is_err() {
+            log::warn!("too many commands at once: one was dropped");
+        }
+        (self.wake)();
+    }
+
+    /// Sends an action.
+    pub fn act(&self, action: Action) {
+        self.send(Command::Do(action));
+    }
+}
+
+/// A bounded queue of commands; `wake` is called after each.
+pub fn queue(wake: Arc<dyn Fn() + Send + Sync>) -> (CommandSender, mpsc::Receiver<Command>) {
+    let (queue, receiver) = mpsc::sync_channel(256);
+    (CommandSender { queue, wake }, receiver)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn no_key_does_two_things() {
+        let mut seen = HashSet::new();
+        let actions = Action::ALL.iter().filter_map(|a| a.spec().shortcut);
+        let panels = (0..crate::app::panels::all().len()).filter_map(panel_shortcut);
+        for shortcut in actions.chain(panels) {
+            assert!(seen.insert(shortcut), "{shortcut:?} is taken twice");
+        }
+    }
+
+    #[test]
+    fn every_action_is_listed_once_and_says_what_it_is() {
+        let mut texts = HashSet::new();
+        for action in Action::ALL {
+            let spec = action.spec();
+            assert!(texts.insert(spec.text), "{} is listed twice", spec.text);
+            assert!(spec.tooltip.len() > spec.text.len());
+            assert!(!spec.text.ends_with([':', '.']));
+        }
+    }
+
+    #[test]
+    fn a_flood_of_commands_is_bounded() {
+        let (sender, receiver) = queue(Arc::new(|| {}));
+        for _ in 0..10_000 {
+            sender.act(Action::Record);
+        }
+        assert_eq!(receiver.try_iter().count(), 256);
+    }
 }

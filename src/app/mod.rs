@@ -12,8 +12,11 @@
 
 pub mod camera;
 pub mod command;
+pub mod dock;
 pub mod history;
+pub mod messages;
 pub mod panels;
 pub mod render;
 pub mod state;
 pub mod theme;
+pub mod widgets;

@@ -1,6 +1,7 @@
 //! What panels may read: one plain value per frame.
 
 use super::history::History;
+use super::messages::Message;
 use super::theme::Theme;
 use crate::device::mouse::MouseHandle;
 use crate::scenario::Scene;
@@ -15,6 +16,8 @@ pub struct View {
     pub scene: Option<Arc<Scene>>,
     /// Counts scenes opened; changes whenever `scene` does.
     pub scene_generation: u64,
+    /// The scene being built.
+    pub build: Option<BuildStatus>,
     /// The fingers shown now: the newest tick, or the replayed instant.
     pub fingers: Vec<FingerRecord>,
     /// The live servo, also while a recording is replayed.
@@ -27,6 +30,12 @@ pub struct View {
     pub history: Arc<Mutex<History>>,
     /// Moves the mouse fingers: one per finger that is moved by the mouse, in the order of the fingers.
     pub hands: Vec<MouseHandle>,
+    /// Names of the devices, one per finger.
+    pub devices: Vec<String>,
+    /// Whether devices may render force; off after an emergency stop.
+    pub force_enabled: bool,
+    /// What the workbench had to say, oldest first.
+    pub messages: Arc<Vec<Message>>,
     /// The window's GL context; `None` without one (tests).
     pub gl: Option<Arc<eframe::glow::Context>>,
     /// How long frames take.
@@ -41,17 +50,32 @@ impl Default for View {
         Self {
             scene: None,
             scene_generation: 0,
+            build: None,
             fingers: Vec::new(),
             live: Snapshot::default(),
             playback: None,
             recorder: RecorderStatus::default(),
             history: Arc::default(),
             hands: Vec::new(),
+            devices: Vec::new(),
+            force_enabled: true,
+            messages: Arc::default(),
             gl: None,
             frame: FrameTiming::default(),
             theme: super::theme::DARK,
         }
     }
+}
+
+/// How far the building of a scene is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BuildStatus {
+    /// The scenario's name or file.
+    pub scenario: String,
+    /// The part being built.
+    pub part: String,
+    /// Done, 0 to 1.
+    pub fraction: f64,
 }
 
 /// Where a replayed recording stands.
@@ -83,7 +107,18 @@ pub struct RecorderStatus {
     /// Ticks that were lost to it.
     pub lost: u64,
     /// Finished recordings, newest first.
-    pub recent: Vec<PathBuf>,
+    pub recent: Vec<RecentFile>,
+    /// Where new recordings go.
+    pub folder: PathBuf,
+}
+
+/// A recording in the user's folder.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RecentFile {
+    /// The file.
+    pub path: PathBuf,
+    /// Its size.
+    pub bytes: u64,
 }
 
 /// How long frames of the main window take.

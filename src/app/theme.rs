@@ -33,7 +33,7 @@ pub struct Theme {
     /// This does not work.
     pub fault: Color32,
     /// Left and right finger, then a second left and right one.
-    pub fingers: [Color32; crate::servo::MAX_FINGERS],
+    pub fingers: [Color32; crate::device::MAX_FINGERS],
     /// The floor behind the skin, at the top and at the bottom.
     pub floor: [Color32; 2],
 }

@@ -19,6 +19,10 @@ impl Panel for BackView {
         "The back under the fingers, drawn as it deforms"
     }
 
+    fn home(&self) -> crate::app::dock::Home {
+        crate::app::dock::Home::Main
+    }
+
     fn ui(&mut self, ui: &mut egui::Ui, _cx: &PanelContext<'_>) {
         ui.centered_and_justified(|ui| ui.label("Nothing to draw on yet"));
     }

@@ -1,8 +1,14 @@
 //! The panels: one file each, listed once.
 
 pub mod back_view;
+mod messages;
+mod plots;
+mod recorder;
+mod scene;
+mod timing;
 
 use super::command::CommandSender;
+use super::dock::Home;
 use super::state::View;
 
 /// One panel of the workbench. It reads a [`View`], keeps its own display state and sends commands; it changes nothing
@@ -14,6 +20,10 @@ pub trait Panel: Send {
     fn title(&self) -> &'static str;
     /// Why one would open it.
     fn tooltip(&self) -> &'static str;
+    /// Where it opens at first.
+    fn home(&self) -> Home {
+        Home::RightTop
+    }
     /// Draws it into all of `ui`.
     fn ui(&mut self, ui: &mut egui::Ui, cx: &PanelContext<'_>);
 }
@@ -29,5 +39,12 @@ pub struct PanelContext<'a> {
 
 /// Every panel, in the order of the menu.
 pub fn all() -> Vec<Box<dyn Panel>> {
-    vec![Box::new(back_view::BackView::default())]
+    vec![
+        Box::new(back_view::BackView::default()),
+        Box::new(plots::Plots::default()),
+        Box::new(scene::ScenePanel::default()),
+        Box::new(timing::Timing::default()),
+        Box::new(recorder::Recorder::default()),
+        Box::new(messages::MessagesPanel::default()),
+    ]
 }
