@@ -44,6 +44,8 @@ pub enum Command {
     ShowPanel(&'static str),
     /// Close a panel.
     ClosePanel(&'static str),
+    /// Close a panel that is on screen, or bring it to the front.
+    TogglePanel(&'static str),
     /// Give a panel a window of its own.
     PopOut(&'static str),
     /// Bring a panel back from its own window.

@@ -8,15 +8,27 @@
 //! | [`history`] | the plotted past, in bounded memory |
 //! | [`camera`] | where the back is looked at from |
 //! | [`theme`] | every colour |
+//! | [`bench`] | what runs behind the window: scene, servo, recorder, replay |
+//! | [`shell`] | menu, dock, own windows, status bar, keys |
+//! | [`dock`] | where the panels are |
+//! | [`messages`] | what the workbench had to say |
 //! | [`render`] | the skin on the graphics card; the only place for `f32` |
 
+pub mod bench;
 pub mod camera;
 pub mod command;
+mod dialogs;
 pub mod dock;
 pub mod history;
+mod launch;
+mod libraries;
 pub mod messages;
 pub mod panels;
 pub mod render;
+pub mod shell;
 pub mod state;
 pub mod theme;
 pub mod widgets;
+
+pub use launch::{Options, Screenshot, run};
+pub use libraries::can_open;

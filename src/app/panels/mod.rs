@@ -7,6 +7,8 @@ mod recorder;
 mod scene;
 mod timing;
 
+pub use timing::health as timing_health;
+
 use super::command::CommandSender;
 use super::dock::Home;
 use super::state::View;

@@ -4,7 +4,7 @@ use super::{Panel, PanelContext};
 use crate::app::command::Action;
 use crate::app::theme::Theme;
 use crate::app::widgets::{action_button, empty_ui};
-use crate::servo::{DURATION_BIN_US, Health, N_BINS, PERIOD_BIN_US, TimingStats};
+use crate::servo::{DURATION_BIN_US, Health, N_BINS, PERIOD_BIN_US};
 use egui_material_icons::icons as icon;
 use egui_plot::{Bar, BarChart, Plot};
 
@@ -197,11 +197,6 @@ fn power_of_ten(exponent: f64) -> String {
         4..=5 => format!("{} k", 10_u64.pow(k as u32 - 3)),
         _ => format!("{} M", 10_u64.pow(k as u32 - 6)),
     }
-}
-
-/// Whether anything in the statistics asks for attention.
-pub fn needs_attention(timing: &TimingStats) -> bool {
-    timing.late_ticks > 0 || timing.lost_records > 0
 }
 
 #[cfg(test)]

@@ -1,0 +1,492 @@
+//! What runs behind the window: scene, servo, recorder, replay. Knows no GUI library.
+//!
+//! [`Bench::poll`] is called by the pump thread at display rate; the window only reads ([`Bench::fill`]) and asks.
+
+mod builder;
+mod demo;
+mod live;
+mod recording;
+mod replay;
+
+pub use builder::{Source, file_name};
+pub use live::FINGERS;
+
+use super::history::History;
+use super::messages::{Level, Messages};
+use super::state::View;
+use crate::contact::Touch;
+use crate::scenario::{self, BuildError, Scene, Use};
+use crate::servo::{Fault, FingerRecord, Health, Snapshot};
+use crate::session::RecorderState;
+use builder::Build;
+use demo::Demo;
+use live::Live;
+use recording::{Done, Recordings};
+use replay::{Opening, Replay};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+use std::time::Instant;
+
+/// A finger that moved less than this since the last frame stands still, mm.
+const STILL_MM: f64 = 1e-3;
+
+/// Defects of a mesh that are told one by one.
+const DEFECTS_TOLD: usize = 5;
+
+/// What scenes are built for here.
+const PURPOSE: Use = Use {
+    fingers: FINGERS,
+    drawn: true,
+    deformed: true,
+    recorded: true,
+    plotted: true,
+};
+
+/// Called when something is new to show.
+pub type Wake = Arc<dyn Fn() + Send + Sync>;
+
+/// The bench.
+pub struct Bench {
+    wake: Wake,
+    messages: Messages,
+    scene: Option<Arc<Scene>>,
+    generation: u64,
+    build: Option<Build>,
+    live: Option<Live>,
+    /// Shown until there is a servo.
+    no_history: Arc<Mutex<History>>,
+    recordings: Recordings,
+    /// The recorder's last failure, told once.
+    failure: Option<String>,
+    opening: Option<Opening>,
+    replay: Option<Replay>,
+    last_poll: Instant,
+    demo: Option<Demo>,
+    force_enabled: bool,
+    /// What the last frame showed, to know whether there is anything new.
+    shown: Shown,
+}
+
+/// The part of the state that decides whether a frame is worth drawing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Shown {
+    told: u64,
+    generation: u64,
+    health: Health,
+    late_ticks: u64,
+}
+
+impl Bench {
+    /// An empty bench that keeps recordings in `folder`.
+    pub fn new(wake: Wake, folder: PathBuf) -> Self {
+        Self {
+            wake,
+            messages: Messages::default(),
+            scene: None,
+            generation: 0,
+            build: None,
+            live: None,
+            no_history: Arc::default(),
+            recordings: Recordings::new(folder),
+            failure: None,
+            opening: None,
+            replay: None,
+            last_poll: Instant::now(),
+            demo: None,
+            force_enabled: true,
+            shown: Shown::default(),
+        }
+    }
+
+    /// Adds a message.
+    pub fn tell(&mut self, level: Level, text: impl Into<String>) {
+        self.messages.tell(level, text);
+        (self.wake)();
+    }
+
+    /// Forgets all messages.
+    pub fn clear_messages(&mut self) {
+        self.messages.clear();
+    }
+
+    /// Starts building a scene; one that is being built is cancelled.
+    pub fn open(&mut self, source: Source) {
+        match Build::start(source, PURPOSE, self.wake.clone()) {
+            Ok(build) => self.build = Some(build),
+            Err(e) => self.tell(Level::Error, format!("the builder cannot start: {e}")),
+        }
+    }
+
+    /// Opens an embedded example by its file name.
+    pub fn open_example(&mut self, file: &str) {
+        match scenario::examples().iter().find(|e| e.file == file) {
+            Some(example) => self.open(Source::Example(*example)),
+            None => self.tell(Level::Error, format!("there is no example named {file}")),
+        }
+    }
+
+    /// Stops building.
+    pub fn cancel_build(&mut self) {
+        if let Some(build) = &self.build {
+            build.cancel();
+        }
+        if let Some(opening) = &self.opening {
+            opening.cancel();
+        }
+    }
+
+    /// Switches force output: off is the emergency stop.
+    pub fn enable_force(&mut self, on: bool) {
+        if let Some(live) = &mut self.live {
+            live.enable_force(on);
+        }
+        if on != self.force_enabled {
+            self.force_enabled = on;
+            if on {
+                self.tell(Level::Info, "Force is on");
+            } else {
+                self.tell(Level::Warning, "Force is off: every device is at zero force");
+            }
+        }
+    }
+
+    /// Starts the servo's timing statistics anew.
+    pub fn reset_timing(&mut self) {
+        if let Some(live) = &mut self.live {
+            live.reset_timing();
+        }
+    }
+
+    /// Takes in what is new and answers whether there is anything to draw.
+    pub fn poll(&mut self) -> bool {
+        let now = Instant::now();
+        let dt_s = now.duration_since(self.last_poll).as_secs_f64();
+        self.last_poll = now;
+        let mut changed = self.poll_build();
+        changed |= self.poll_opening();
+        changed |= self.poll_live();
+        changed |= self.poll_recorder();
+        if let Some(replay) = &mut self.replay {
+            changed |= replay.playback().advance(dt_s);
+        }
+        if let (Some(demo), Some(live), Some(scene)) = (&mut self.demo, &self.live, &self.scene) {
+            demo.advance(dt_s, scene, live.hands());
+        }
+        let health = self.live.as_ref().map(|l| *l.snapshot());
+        let shown = Shown {
+            told: self.messages.told(),
+            generation: self.generation,
+            health: health.map_or(Health::Stopped, |s| s.health),
+            late_ticks: health.map_or(0, |s| s.timing.late_ticks),
+        };
+        changed |= shown != self.shown;
+        self.shown = shown;
+        changed
+    }
+
+    fn poll_build(&mut self) -> bool {
+        let Some(build) = &self.build else {
+            return false;
+        };
+        let Some(result) = build.poll() else {
+            return false;
+        };
+        let cancelled = build.is_cancelled();
+        self.build = None;
+        match result {
+            Ok(scene) => self.set_scene(Arc::new(scene)),
+            Err(e) if cancelled || e.0 == BuildError::CANCELLED => {
+                self.tell(Level::Info, "Building was cancelled");
+            }
+            Err(e) => self.tell(Level::Error, e.0),
+        }
+        true
+    }
+
+    fn set_scene(&mut self, scene: Arc<Scene>) {
+        let defects = &scene.report.defects;
+        for defect in defects.iter().take(DEFECTS_TOLD) {
+            self.tell(Level::Warning, format!("{}: {defect}", scene.mesh_origin));
+        }
+        if let Some(more) = defects.len().checked_sub(DEFECTS_TOLD + 1) {
+            let text = format!("{}: and {} more defects", scene.mesh_origin, more + 1);
+            self.tell(Level::Warning, text);
+        }
+        match &mut self.live {
+            Some(live) => live.set_scene(&scene),
+            None => match Live::start(&scene, self.force_enabled) {
+                Ok(live) => self.live = Some(live),
+                Err(e) => self.tell(Level::Error, format!("the servo cannot start: {e}")),
+            },
+        }
+        self.scene = Some(scene);
+        self.generation += 1;
+    }
+
+    fn poll_live(&mut self) -> bool {
+        let Some(live) = &mut self.live else {
+            return false;
+        };
+        let before = *live.snapshot();
+        let fault_before = before.health == Health::Fault;
+        live.poll();
+        let after = *live.snapshot();
+        if after.health == Health::Fault && !fault_before {
+            let text = match live.fault() {
+                Some(Fault::Hung) => "The servo hangs: a device does not return. Force is zero",
+                Some(Fault::Panicked) => "A device failed and was closed. Force is zero",
+                None => "A device does not answer. Force is zero",
+            };
+            self.tell(Level::Error, text);
+        }
+        something_happens(&before, &after)
+    }
+
+    fn poll_opening(&mut self) -> bool {
+        let Some(opened) = self.opening.as_ref().and_then(Opening::poll) else {
+            return false;
+        };
+        self.opening = None;
+        match opened {
+            Ok((replay, remarks)) => {
+                for remark in remarks {
+                    self.tell(Level::Warning, remark);
+                }
+                self.replay = Some(replay);
+                self.generation += 1;
+            }
+            Err(e) => self.tell(Level::Error, e),
+        }
+        true
+    }
+
+    fn poll_recorder(&mut self) -> bool {
+        let state = self.live.as_ref().map(|l| l.recorder().status().state);
+        let failure = match &state {
+            Some(RecorderState::Failed { reason }) => Some(reason.clone()),
+            _ => None,
+        };
+        if failure != self.failure {
+            self.failure.clone_from(&failure);
+            if let Some(reason) = failure {
+                self.tell(Level::Error, format!("recording stopped: {reason}"));
+            }
+        }
+        match self.recordings.poll() {
+            Some(Done::Started(path)) => {
+                self.tell(Level::Info, format!("Recording to {}", path.display()));
+            }
+            Some(Done::Finished(summary)) => {
+                self.tell(
+                    Level::Info,
+                    format!(
+                        "Recorded {:.1} s, {} ticks, to {}",
+                        summary.seconds,
+                        summary.ticks,
+                        summary.path.display()
+                    ),
+                );
+                if summary.lost > 0 {
+                    self.tell(
+                        Level::Warning,
+                        format!("{} records were lost", summary.lost),
+                    );
+                }
+            }
+            Some(Done::Copied(path)) => {
+                self.tell(Level::Info, format!("Saved {}", path.display()));
+            }
+            Some(Done::Failed(text)) => self.tell(Level::Error, text),
+            None => return matches!(state, Some(RecorderState::Recording { .. })),
+        }
+        true
+    }
+
+    /// Whether ticks are written to a file.
+    pub fn is_recording(&self) -> bool {
+        self.live
+            .as_ref()
+            .is_some_and(|l| matches!(l.recorder().status().state, RecorderState::Recording { .. }))
+    }
+
+    /// Begins a recording, or finishes the one that runs.
+    pub fn toggle_recording(&mut self) {
+        if self.recordings.is_busy() {
+            return;
+        }
+        let recording = self.is_recording();
+        let (Some(live), Some(scene)) = (&self.live, &self.scene) else {
+            self.tell(Level::Warning, "there is nothing to record yet: open a scene first");
+            return;
+        };
+        let recorder = live.recorder().clone();
+        let started = if recording {
+            self.recordings.stop(recorder).map_err(|e| e.to_string())
+        } else {
+            let header = recording::header(scene, live);
+            self.recordings
+                .start(recorder, header)
+                .map_err(|e| e.to_string())
+        };
+        if let Err(e) = started {
+            self.tell(Level::Error, format!("cannot record: {e}"));
+        }
+    }
+
+    /// Reads a recording and replays it.
+    pub fn open_recording(&mut self, path: PathBuf) {
+        let opening = Opening::start(path, self.scene.clone(), PURPOSE, self.wake.clone());
+        match opening {
+            Ok(opening) => self.opening = Some(opening),
+            Err(e) => self.tell(Level::Error, format!("the reader cannot start: {e}")),
+        }
+    }
+
+    /// Shows the fingers as they are now.
+    pub fn close_recording(&mut self) {
+        if self.replay.take().is_some() {
+            self.generation += 1;
+        }
+    }
+
+    /// The recording that "save as" means: the open one, else the newest.
+    pub fn recording_to_save(&self) -> Option<PathBuf> {
+        match &self.replay {
+            Some(replay) => Some(replay.path().to_owned()),
+            None => self.recordings.newest().map(Path::to_owned),
+        }
+    }
+
+    /// Copies a recording.
+    pub fn copy_recording(&mut self, from: &Path, to: &Path) {
+        if let Err(e) = self.recordings.copy(from, to) {
+            self.tell(Level::Error, format!("{}: cannot be written: {e}", to.display()));
+        }
+    }
+
+    /// Where recordings are kept.
+    pub fn folder(&self) -> &Path {
+        self.recordings.folder()
+    }
+
+    /// Goes to a time of the open recording, s.
+    pub fn seek(&mut self, time_s: f64) {
+        if let Some(replay) = &mut self.replay {
+            replay.playback().seek_s(time_s);
+        }
+    }
+
+    /// Lets time of the open recording run or stand.
+    pub fn set_playing(&mut self, on: bool) {
+        if let Some(replay) = &mut self.replay {
+            let playback = replay.playback();
+            if on {
+                playback.play();
+            } else {
+                playback.pause();
+            }
+        }
+    }
+
+    /// Lets time of the open recording run, or stand if it runs.
+    pub fn play_or_pause(&mut self) {
+        if let Some(replay) = &mut self.replay {
+            replay.playback().toggle();
+        }
+    }
+
+    /// Replays at this speed, 1 is real time.
+    pub fn set_speed(&mut self, speed: f64) {
+        if let Some(replay) = &mut self.replay {
+            replay.playback().set_speed(speed);
+        }
+    }
+
+    /// Starts over at the end, or stays there.
+    pub fn set_looped(&mut self, on: bool) {
+        if let Some(replay) = &mut self.replay {
+            replay.playback().set_looping(on);
+        }
+    }
+
+    /// Goes some ticks on, or back.
+    pub fn step(&mut self, ticks: i64) {
+        if let Some(replay) = &mut self.replay {
+            replay.playback().step(ticks);
+        }
+    }
+
+    /// Lets the fingers press by themselves, for pictures.
+    pub fn press(&mut self) {
+        self.demo = Some(Demo::default());
+    }
+
+    /// Finishes a running recording and stops the servo.
+    pub fn shut_down(&mut self) {
+        self.build = None;
+        self.opening = None;
+        self.live = None;
+    }
+
+    /// Writes what panels may read into `view`.
+    pub fn fill(&self, view: &mut View) {
+        view.scene.clone_from(&self.scene);
+        view.scene_generation = self.generation;
+        view.build = match (&self.build, &self.opening) {
+            (Some(build), _) => Some(build.status()),
+            (None, Some(opening)) => Some(opening.status()),
+            (None, None) => None,
+        };
+        view.force_enabled = self.force_enabled;
+        view.messages = self.messages.list();
+        view.recorder = self.recordings.status(self.live.as_ref());
+        match &self.live {
+            Some(live) => {
+                view.live = *live.snapshot();
+                view.fingers = view.live.record.fingers().to_vec();
+                view.history = live.history().clone();
+                view.hands = live.hands().to_vec();
+                view.devices = live.names().to_vec();
+            }
+            None => {
+                view.live = Snapshot::default();
+                view.fingers.clear();
+                view.history = self.no_history.clone();
+                view.hands.clear();
+                view.devices.clear();
+            }
+        }
+        view.playback = self.replay.as_ref().map(Replay::status);
+        if let Some(replay) = &self.replay {
+            view.fingers = replay.fingers();
+            view.history = replay.history().clone();
+            if let Some(scene) = replay.scene() {
+                view.scene = Some(scene.clone());
+            }
+        }
+    }
+
+    /// How many messages were told so far.
+    pub fn told(&self) -> u64 {
+        self.messages.told()
+    }
+}
+
+/// Whether a finger touches or moved, or force was switched.
+fn something_happens(before: &Snapshot, after: &Snapshot) -> bool {
+    let moved = |a: &FingerRecord, b: &FingerRecord| {
+        let by = (a.reading.position_mm - b.reading.position_mm).length();
+        // Not finite counts as moved.
+        !(by <= STILL_MM) || a.contact.touch != b.contact.touch
+    };
+    let touching = after
+        .record
+        .fingers()
+        .iter()
+        .any(|f| f.contact.touch != Touch::Free);
+    let (a, b) = (before.record.fingers(), after.record.fingers());
+    touching
+        || before.force_enabled != after.force_enabled
+        || a.len() != b.len()
+        || a.iter().zip(b).any(|(a, b)| moved(a, b))
+}

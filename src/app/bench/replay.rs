@@ -1,0 +1,213 @@
+//! A recording on show: read, its scene built and its plots filled on a thread of their own.
+
+use super::Wake;
+use super::file_name;
+use crate::app::history::History;
+use crate::app::state::{BuildStatus, PlaybackStatus};
+use crate::scenario::{self, Scenario, Scene, Use};
+use crate::servo::FingerRecord;
+use crate::session::{Playback, Recording, Session, reader::Strictness};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
+
+/// A recording that is open.
+pub struct Replay {
+    path: PathBuf,
+    playback: Playback,
+    scene: Option<Arc<Scene>>,
+    history: Arc<Mutex<History>>,
+}
+
+/// What reading a recording came to: the recording, and what is to be said about it.
+pub type Opened = Result<(Replay, Vec<String>), String>;
+
+/// A recording that is being read.
+pub struct Opening {
+    status: Arc<Mutex<BuildStatus>>,
+    cancel: Arc<AtomicBool>,
+    result: mpsc::Receiver<Opened>,
+}
+
+impl Opening {
+    /// Starts reading `path`. `open` is the scene that is open: it serves if it is the recorded one.
+    ///
+    /// # Errors
+    /// When the system refuses another thread.
+    pub fn start(
+        path: PathBuf,
+        open: Option<Arc<Scene>>,
+        purpose: Use,
+        wake: Wake,
+    ) -> std::io::Result<Self> {
+        let status = Arc::new(Mutex::new(BuildStatus {
+            scenario: file_name(&path),
+            part: "recording".into(),
+            fraction: 0.0,
+        }));
+        let cancel = Arc::new(AtomicBool::new(false));
+        let (send, result) = mpsc::sync_channel(1);
+        let (shared, stop) = (status.clone(), cancel.clone());
+        std::thread::Builder::new()
+            .name("replay reader".into())
+            .spawn(move || {
+                let mut progress = |part: &str, fraction: f64| {
+                    let mut status = shared.lock().unwrap_or_else(PoisonError::into_inner);
+                    part.clone_into(&mut status.part);
+                    status.fraction = fraction;
+                    !stop.load(Ordering::Relaxed)
+                };
+                let _ = send.send(read(&path, open, purpose, &mut progress));
+                wake();
+            })?;
+        Ok(Self {
+            status,
+            cancel,
+            result,
+        })
+    }
+
+    /// How far it is.
+    pub fn status(&self) -> BuildStatus {
+        self.status
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone()
+    }
+
+    /// Asks it to stop at the next step.
+    pub fn cancel(&self) {
+        self.cancel.store(true, Ordering::Relaxed);
+    }
+
+    /// The outcome, once there is one.
+    pub fn poll(&self) -> Option<Opened> {
+        match self.result.try_recv() {
+            Ok(opened) => Some(opened),
+            Err(mpsc::TryRecvError::Empty) => None,
+            Err(mpsc::TryRecvError::Disconnected) => {
+                Some(Err("the recording could not be read".into()))
+            }
+        }
+    }
+}
+
+fn read(
+    path: &Path,
+    open: Option<Arc<Scene>>,
+    purpose: Use,
+    progress: &mut dyn FnMut(&str, f64) -> bool,
+) -> Opened {
+    let session = Session::open(path).map_err(|e| e.to_string())?;
+    // A recording that was cut off is worth seeing as far as it goes; what is missing is said.
+    let recording = session
+        .load(Strictness::Lenient)
+        .map_err(|e| e.to_string())?;
+    if recording.fingers.iter().all(Vec::is_empty) {
+        return Err(format!("{}: the recording holds no tick", path.display()));
+    }
+    let mut remarks = Vec::new();
+    if !recording.damage.is_none() {
+        remarks.push(format!(
+            "{}: damaged; what can be read is shown. {}",
+            path.display(),
+            recording.damage.first
+        ));
+    }
+    let header = &recording.header;
+    let scene = match open.filter(|s| s.scenario.source == header.scenario_toml) {
+        Some(scene) => Some(scene),
+        None => match rebuild(path, &header.scenario_toml, purpose, progress) {
+            Ok(scene) => Some(Arc::new(scene)),
+            Err(e) => {
+                remarks.push(format!("the recorded scene cannot be built: {e}"));
+                None
+            }
+        },
+    };
+    if let Some(scene) = &scene
+        && super::recording::hash_hex(&scene.surface) != header.mesh.hash
+    {
+        remarks.push(format!(
+            "{}: recorded on another mesh than {} is now; what is drawn may not fit",
+            path.display(),
+            header.mesh.origin
+        ));
+    }
+    let history = history_of(&recording);
+    let mut playback = Playback::new(Arc::new(recording));
+    playback.play();
+    Ok((
+        Replay {
+            path: path.to_owned(),
+            playback,
+            scene,
+            history: Arc::new(Mutex::new(history)),
+        },
+        remarks,
+    ))
+}
+
+fn rebuild(
+    path: &Path,
+    toml: &str,
+    purpose: Use,
+    progress: &mut dyn FnMut(&str, f64) -> bool,
+) -> Result<Scene, String> {
+    let origin = format!("scenario in {}", file_name(path));
+    let scenario = Scenario::parse(toml, &origin, path.parent()).map_err(|e| e.to_string())?;
+    scenario::build(Arc::new(scenario), purpose, progress).map_err(|e| e.to_string())
+}
+
+/// The whole recording as plots, from time zero.
+fn history_of(recording: &Recording) -> History {
+    let mut history = History::new(recording.header.rate_hz);
+    let firsts = recording.fingers.iter().filter_map(|f| f.first());
+    let start = firsts.map(|r| r.tick).min().unwrap_or(0);
+    for record in recording.fingers.iter().flatten() {
+        history.push(&FingerRecord {
+            tick: record.tick - start,
+            ..*record
+        });
+    }
+    history
+}
+
+impl Replay {
+    /// For the window.
+    pub fn status(&self) -> PlaybackStatus {
+        PlaybackStatus {
+            path: self.path.clone(),
+            time_s: self.playback.at_s(),
+            duration_s: self.playback.duration_s(),
+            playing: self.playback.is_playing(),
+            speed: self.playback.speed(),
+            looped: self.playback.is_looping(),
+        }
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The fingers at the present instant.
+    pub fn fingers(&self) -> Vec<FingerRecord> {
+        self.playback.at().fingers().to_vec()
+    }
+
+    /// The recorded scene, where it could be built.
+    pub fn scene(&self) -> Option<&Arc<Scene>> {
+        self.scene.as_ref()
+    }
+
+    /// The whole recording as plots.
+    pub fn history(&self) -> &Arc<Mutex<History>> {
+        &self.history
+    }
+
+    /// The value that moves through time.
+    pub fn playback(&mut self) -> &mut Playback {
+        &mut self.playback
+    }
+}

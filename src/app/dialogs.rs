@@ -1,0 +1,74 @@
+//! File dialogs, off the window's thread: with a desktop portal they block, without one they return nothing at once.
+
+use super::command::{Command, CommandSender};
+use super::messages::Level;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// A dialog that closes faster than this was never shown.
+const UNSEEN: Duration = Duration::from_millis(150);
+
+/// Asks for a scenario file and opens it.
+pub fn open_scenario(send: &CommandSender) {
+    ask(send, "a scenario", |dialog| {
+        dialog
+            .set_title("Open scenario")
+            .add_filter("Scenario", &["toml"])
+            .pick_file()
+            .map(Command::OpenScenario)
+    });
+}
+
+/// Asks for a recording and opens it.
+pub fn open_recording(send: &CommandSender, folder: PathBuf) {
+    ask(send, "a recording", move |dialog| {
+        dialog
+            .set_title("Open recording")
+            .add_filter("Recording", &["mcap"])
+            .set_directory(folder)
+            .pick_file()
+            .map(Command::OpenRecording)
+    });
+}
+
+/// Asks where to copy a recording to.
+pub fn save_recording(send: &CommandSender, from: PathBuf) {
+    ask(send, "a place for the recording", move |dialog| {
+        let name = super::bench::file_name(&from);
+        dialog
+            .set_title("Save recording as")
+            .add_filter("Recording", &["mcap"])
+            .set_file_name(name)
+            .save_file()
+            .map(|to| Command::CopyRecording { from, to })
+    });
+}
+
+fn ask(
+    send: &CommandSender,
+    what: &'static str,
+    show: impl FnOnce(rfd::FileDialog) -> Option<Command> + Send + 'static,
+) {
+    let thread_send = send.clone();
+    let spawned = std::thread::Builder::new()
+        .name("file dialog".into())
+        .spawn(move || {
+            let start = Instant::now();
+            match show(rfd::FileDialog::new()) {
+                Some(command) => thread_send.send(command),
+                None if start.elapsed() < UNSEEN => thread_send.send(Command::Tell(
+                    Level::Warning,
+                    format!(
+                        "This desktop offers no file dialog: type the path of {what} into the path field"
+                    ),
+                )),
+                None => {}
+            }
+        });
+    if let Err(e) = spawned {
+        send.send(Command::Tell(
+            Level::Error,
+            format!("the file dialog cannot open: {e}"),
+        ));
+    }
+}

@@ -1,0 +1,88 @@
+//! Where every command is carried out.
+
+use super::{Palette, Workbench};
+use crate::app::bench::Source;
+use crate::app::command::{Action, Command};
+use crate::app::dialogs;
+use crate::app::dock::Layout;
+use crate::app::theme::Theme;
+
+impl Workbench {
+    /// Carries out one command.
+    pub fn apply(&mut self, ctx: &egui::Context, command: Command) {
+        let shared = self.shared.clone();
+        match command {
+            Command::Do(action) => self.act(ctx, action),
+            Command::OpenScenario(path) => shared.bench().open(Source::File(path)),
+            Command::OpenExample(file) => shared.bench().open_example(file),
+            Command::CancelBuild => shared.bench().cancel_build(),
+            Command::EnableForce(on) => shared.bench().enable_force(on),
+            Command::OpenRecording(path) => shared.bench().open_recording(path),
+            Command::CopyRecording { from, to } => shared.bench().copy_recording(&from, &to),
+            Command::Seek(time_s) => shared.bench().seek(time_s),
+            Command::SetPlaying(on) => shared.bench().set_playing(on),
+            Command::SetSpeed(speed) => shared.bench().set_speed(speed),
+            Command::SetLooped(on) => shared.bench().set_looped(on),
+            Command::ShowPanel(key) => self.layout.show(key),
+            Command::ClosePanel(key) => self.layout.close(key),
+            Command::TogglePanel(key) => {
+                if self.layout.is_shown(key) {
+                    self.layout.close(key);
+                } else {
+                    self.layout.show(key);
+                }
+            }
+            Command::PopOut(key) => self.layout.pop_out(key),
+            Command::DockBack(key) => self.layout.dock_back(key),
+            Command::Tell(level, text) => shared.bench().tell(level, text),
+        }
+        ctx.request_repaint();
+    }
+
+    fn act(&mut self, ctx: &egui::Context, action: Action) {
+        let shared = self.shared.clone();
+        let send = &shared.send;
+        match action {
+            Action::OpenScenario => dialogs::open_scenario(send),
+            Action::OpenRecording => {
+                let folder = shared.bench().folder().to_owned();
+                dialogs::open_recording(send, folder);
+            }
+            Action::SaveRecordingAs => {
+                let from = shared.bench().recording_to_save();
+                if let Some(from) = from {
+                    dialogs::save_recording(send, from);
+                }
+            }
+            Action::Quit => ctx.send_viewport_cmd_to(
+                egui::ViewportId::ROOT,
+                egui::ViewportCommand::Close,
+            ),
+            Action::Record => shared.bench().toggle_recording(),
+            Action::PlayPause => shared.bench().play_or_pause(),
+            Action::StepBack => shared.bench().step(-1),
+            Action::StepForward => shared.bench().step(1),
+            Action::BackToLive => shared.bench().close_recording(),
+            Action::StopForce => shared.bench().enable_force(false),
+            Action::AllowForce => shared.bench().enable_force(true),
+            Action::ToggleTheme => {
+                self.dark = !self.dark;
+                Theme::of(self.dark).apply(ctx);
+                shared.chrome().theme = Theme::of(self.dark);
+            }
+            Action::Fullscreen => {
+                let on = ctx.input(|i| i.viewport().fullscreen.unwrap_or(false));
+                ctx.send_viewport_cmd(egui::ViewportCommand::Fullscreen(!on));
+            }
+            Action::Palette => {
+                self.palette = match self.palette.take() {
+                    Some(_) => None,
+                    None => Some(Palette::default()),
+                };
+            }
+            Action::ResetLayout => self.layout = Layout::first(&shared.panels),
+            Action::ResetTiming => shared.bench().reset_timing(),
+            Action::ClearMessages => shared.bench().clear_messages(),
+        }
+    }
+}

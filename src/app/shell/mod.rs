@@ -1,0 +1,273 @@
+//! The shell around the panels: menu, dock, own windows, status bar, keys.
+
+mod apply;
+mod frames;
+mod menu;
+mod palette;
+mod pump;
+mod status;
+mod windows;
+
+use super::bench::{Bench, Source, Wake};
+use super::command::{self, Command, CommandSender};
+use super::dock::{self, Layout, Panels};
+use super::messages::Level;
+use super::panels::{self, PanelContext};
+use super::state::{FrameTiming, View};
+use super::theme::Theme;
+use frames::FrameMeter;
+use palette::Palette;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
+
+/// What the main window and the panels' own windows share.
+pub struct Shared {
+    bench: Mutex<Bench>,
+    panels: Panels,
+    send: CommandSender,
+    chrome: Mutex<Chrome>,
+}
+
+/// The part of a [`View`] that the bench knows nothing of.
+#[derive(Clone)]
+struct Chrome {
+    theme: Theme,
+    gl: Option<Arc<eframe::glow::Context>>,
+    frame: FrameTiming,
+    /// Windows beside the main one, to be woken with it.
+    windows: Vec<egui::ViewportId>,
+}
+
+impl Shared {
+    /// The bench. Locked for moments only, never while a panel is drawn.
+    pub fn bench(&self) -> MutexGuard<'_, Bench> {
+        self.bench.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn chrome(&self) -> MutexGuard<'_, Chrome> {
+        self.chrome.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The state at this instant.
+    pub fn view(&self) -> View {
+        let mut view = View::default();
+        self.bench().fill(&mut view);
+        let chrome = self.chrome();
+        view.theme = chrome.theme;
+        view.gl.clone_from(&chrome.gl);
+        view.frame = chrome.frame;
+        view
+    }
+
+    /// Draws a panel as things stand, in whichever window.
+    fn draw(&self, ui: &mut egui::Ui, slot: &dock::PanelSlot, view: &View) {
+        let cx = PanelContext {
+            view,
+            send: &self.send,
+        };
+        dock::draw(ui, slot, &cx);
+    }
+}
+
+/// How a workbench starts.
+#[derive(Clone, Debug, Default)]
+pub struct Start {
+    /// What opens first; `None` opens nothing.
+    pub source: Option<Source>,
+    /// A recording to replay at once.
+    pub recording: Option<PathBuf>,
+    /// Where recordings are kept.
+    pub folder: PathBuf,
+    /// Dark or light; `None` takes the stored choice, or dark.
+    pub dark: Option<bool>,
+    /// A panel to bring to the front.
+    pub panel: Option<String>,
+}
+
+/// The workbench as eframe runs it.
+pub struct Workbench {
+    shared: Arc<Shared>,
+    commands: mpsc::Receiver<Command>,
+    layout: Layout,
+    dark: bool,
+    palette: Option<Palette>,
+    toasts: egui_notify::Toasts,
+    toasted: u64,
+    title: String,
+    meter: FrameMeter,
+    frames_with_scene: u64,
+}
+
+const LAYOUT_KEY: &str = "layout";
+const DARK_KEY: &str = "dark";
+
+impl Workbench {
+    /// A workbench in a window that is about to open.
+    pub fn new(cc: &eframe::CreationContext<'_>, start: Start) -> Self {
+        let ctx = cc.egui_ctx.clone();
+        egui_material_icons::initialize(&ctx);
+        let stored = |key: &str| cc.storage.and_then(|s| s.get_string(key));
+        let dark = start
+            .dark
+            .or_else(|| stored(DARK_KEY).map(|s| s == "true"))
+            .unwrap_or(true);
+        let theme = Theme::of(dark);
+        theme.apply(&ctx);
+        let wake: Wake = {
+            let ctx = ctx.clone();
+            Arc::new(move || ctx.request_repaint_of(egui::ViewportId::ROOT))
+        };
+        let panels = dock::slots(panels::all());
+        let mut layout = cc
+            .storage
+            .and_then(|s| eframe::get_value::<Layout>(s, LAYOUT_KEY))
+            .filter(|l| l.fits(&panels))
+            .unwrap_or_else(|| Layout::first(&panels));
+        if let Some(slot) = panels.iter().find(|p| Some(p.key) == start.panel.as_deref()) {
+            layout.show(slot.key);
+        }
+        let (send, commands) = command::queue(wake.clone());
+        let mut bench = Bench::new(wake, start.folder);
+        if let Some(source) = start.source {
+            bench.open(source);
+        }
+        if let Some(path) = start.recording {
+            send.send(Command::OpenRecording(path));
+        }
+        let shared = Arc::new(Shared {
+            bench: Mutex::new(bench),
+            panels,
+            send,
+            chrome: Mutex::new(Chrome {
+                theme,
+                gl: cc.gl.clone(),
+                frame: FrameTiming::default(),
+                windows: Vec::new(),
+            }),
+        });
+        if let Err(e) = pump::start(&shared, ctx) {
+            let text = format!("the window cannot follow the servo: {e}");
+            shared.bench().tell(Level::Error, text);
+        }
+        Self {
+            shared,
+            commands,
+            layout,
+            dark,
+            palette: None,
+            toasts: egui_notify::Toasts::default()
+                .with_anchor(egui_notify::Anchor::BottomRight)
+                .with_margin(egui::vec2(8.0, 36.0)),
+            toasted: 0,
+            title: String::new(),
+            meter: FrameMeter::default(),
+            frames_with_scene: 0,
+        }
+    }
+
+    /// What is shared with the panels' own windows.
+    pub fn shared(&self) -> &Arc<Shared> {
+        &self.shared
+    }
+
+    /// Where the panels are.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Frames drawn since a scene is open.
+    pub fn frames_with_scene(&self) -> u64 {
+        self.frames_with_scene
+    }
+
+    fn set_title(&mut self, ctx: &egui::Context, view: &View) {
+        let title = match &view.scene {
+            Some(scene) => format!("Dorsum — {}", scene.scenario.name),
+            None => "Dorsum".into(),
+        };
+        if title != self.title {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+
+    /// Warnings and errors also appear over the window for some seconds.
+    fn toast(&mut self, ctx: &egui::Context, view: &View) {
+        let told = self.shared.bench().told();
+        let new = usize::try_from(told - self.toasted.min(told)).unwrap_or(usize::MAX);
+        self.toasted = told;
+        let seconds = |s| Some(std::time::Duration::from_secs(s));
+        for message in view.messages.iter().rev().take(new.min(3)).rev() {
+            match message.level {
+                Level::Info => {}
+                Level::Warning => {
+                    self.toasts.warning(&message.text).duration(seconds(5));
+                }
+                Level::Error => {
+                    self.toasts.error(&message.text).duration(seconds(9));
+                }
+            }
+        }
+        self.toasts.show(ctx);
+    }
+}
+
+impl eframe::App for Workbench {
+    fn logic(&mut self, ctx: &egui::Context, frame: &mut eframe::Frame) {
+        while let Ok(command) = self.commands.try_recv() {
+            self.apply(ctx, command);
+        }
+        let work_ms = frame.info().cpu_usage.map_or(0.0, |s| f64::from(s) * 1e3);
+        let timing = self.meter.count(std::time::Instant::now(), work_ms);
+        let mut chrome = self.shared.chrome();
+        chrome.frame = timing;
+        chrome.theme = Theme::of(self.dark);
+        chrome.windows = self.layout.popped().map(windows::viewport_id).collect();
+    }
+
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        let ctx = ui.ctx().clone();
+        let view = self.shared.view();
+        self.frames_with_scene += u64::from(view.scene.is_some());
+        self.set_title(&ctx, &view);
+        menu::keys(&ctx, &self.shared, view.playback.is_some());
+        let theme = view.theme;
+        egui::Panel::top("menu")
+            .frame(egui::Frame::new().fill(theme.panel).inner_margin(egui::Margin::symmetric(8, 4)))
+            .show(ui, |ui| menu::bar_ui(ui, &self.shared, &self.layout, &view));
+        egui::Panel::bottom("status")
+            .frame(egui::Frame::new().fill(theme.panel).inner_margin(egui::Margin::symmetric(8, 3)))
+            .show(ui, |ui| status::ui(ui, &view));
+        egui::CentralPanel::no_frame().show(ui, |ui| {
+            ui.painter().rect_filled(ui.max_rect(), 0.0, theme.background);
+            let shared = self.shared.clone();
+            self.layout.ui(ui, &shared.panels, &shared.send, &mut |ui, slot| {
+                shared.draw(ui, slot, &view);
+            });
+        });
+        windows::show(&ctx, &self.shared, &self.layout);
+        if let Some(palette) = &mut self.palette
+            && palette.ui(&ctx, &self.shared)
+        {
+            self.palette = None;
+        }
+        self.toast(&ctx, &view);
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        eframe::set_value(storage, LAYOUT_KEY, &self.layout);
+        storage.set_string(DARK_KEY, self.dark.to_string());
+    }
+
+    fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
+        self.shared.bench().shut_down();
+    }
+
+    fn clear_color(&self, _visuals: &egui::Visuals) -> [f32; 4] {
+        Theme::of(self.dark).background.to_normalized_gamma_f32()
+    }
+
+    fn persist_egui_memory(&self) -> bool {
+        false
+    }
+}
