@@ -80,8 +80,9 @@ impl Recordings {
         recorder: Arc<RecorderHandle>,
         header: Header,
     ) -> Result<(), SessionError> {
+        let folder = self.folder.clone();
         let io = |source| SessionError::Io {
-            path: self.folder.clone(),
+            path: folder.clone(),
             source,
         };
         std::fs::create_dir_all(&self.folder).map_err(io)?;

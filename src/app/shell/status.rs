@@ -19,7 +19,7 @@ pub fn ui(ui: &mut egui::Ui, view: &View) {
         field(ui, &devices(&view.devices), "What the fingers are moved by");
         ui.separator();
         let (text, colour) = timing_health(view.live.health, &view.theme);
-        ui.label(egui::RichText::new("●").small().color(colour));
+        ui.label(icon::ICON_CIRCLE.rich_text().size(10.0).color(colour));
         field(ui, text, "Whether the servo keeps its rate");
         let late = view.live.timing.late_ticks;
         let late = egui::RichText::new(format!("{late:>4} late")).monospace();

@@ -144,11 +144,13 @@ impl Plots {
                 .label_formatter(|_| None)
                 .set_margin_fraction(egui::Vec2::ZERO)
                 .y_axis_min_width(34.0)
+                .y_grid_spacer(move |_| range::marks(top))
+                .y_axis_formatter(|mark, _| value_mark(mark))
                 .x_axis_formatter(|mark, range| time_mark(mark.value, range.end() - range.start()))
                 .grid_color(theme.line);
             let response = plot.show(ui, |plot| {
                 plot.set_plot_bounds_x(from_s..=to_s);
-                plot.set_plot_bounds_y(-0.06 * top..=top);
+                plot.set_plot_bounds_y(-0.06 * top..=1.06 * top);
                 for finger in 0..history.n_fingers() {
                     for run in history.line(finger, channel, from_s, to_s, bins) {
                         let points: Vec<PlotPoint> =
@@ -258,6 +260,18 @@ fn time_mark(time_s: f64, span_s: f64) -> String {
         format!("{time_s:.1} s")
     } else {
         clock(time_s)
+    }
+}
+
+/// Labels stand at the coarse marks only.
+fn value_mark(mark: egui_plot::GridMark) -> String {
+    let value = mark.value;
+    if value == 0.0 {
+        "0".into()
+    } else if value.abs() < 1.0 {
+        format!("{value:.1}")
+    } else {
+        format!("{value:.0}")
     }
 }
 

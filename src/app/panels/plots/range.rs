@@ -1,4 +1,4 @@
-//! Which stretch of time, and which height, the plots show. Knows no widget.
+//! Which stretch of time, and which height, the plots show.
 
 /// Widths on offer, s.
 pub const WINDOWS_S: [f64; 8] = [2.0, 5.0, 10.0, 30.0, 60.0, 300.0, 900.0, 3600.0];
@@ -144,6 +144,16 @@ fn round_up(x: f64) -> f64 {
         step *= 10.0;
     }
     step
+}
+
+/// Marks of a value axis from zero to `top`: zero, the middle and the top.
+pub fn marks(top: f64) -> Vec<egui_plot::GridMark> {
+    [0.0, 0.5, 1.0]
+        .map(|share| egui_plot::GridMark {
+            value: share * top,
+            step_size: top,
+        })
+        .to_vec()
 }
 
 #[cfg(test)]
