@@ -4,19 +4,17 @@
 mod support;
 
 use dorsum::app::command::{Action, Command};
-use dorsum::app::shell::Workbench;
 use dorsum::contact::Touch;
-use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use support::{said, view, wait_for, workbench};
+use support::{Window, said, view, wait_for, workbench};
 
-fn click(harness: &mut Harness<'static, Workbench>, name: &str) {
+fn click(harness: &mut Window, name: &str) {
     harness.get_by_label(name).click();
     harness.run_steps(3);
 }
 
 /// Presses the right finger 8 mm into the skin and waits until it feels it.
-fn press(harness: &mut Harness<'static, Workbench>) {
+fn press(harness: &mut Window) {
     let (point, normal) = support::place();
     let hand = view(harness.state()).hands[1].clone();
     hand.set(point + normal * 5.0);
@@ -45,19 +43,23 @@ fn a_session_is_opened_recorded_pressed_stopped_and_replayed() {
     });
 
     let file = view(harness.state()).recorder.recent[0].path.clone();
-    let name = file.file_name().expect("a name").to_string_lossy().into_owned();
+    let name = file
+        .file_name()
+        .expect("a name")
+        .to_string_lossy()
+        .into_owned();
     click(&mut harness, &format!("Replay {name}"));
     wait_for(&mut harness, "replay", |w| view(w).playback.is_some());
     let playback = view(harness.state()).playback.expect("open");
     assert!(playback.duration_s > 0.5, "{playback:?}");
 
     // Whatever is shown now is the recording: at its end the finger is in the skin.
+    harness.state_mut().shared().bench().set_playing(false);
     harness
         .state_mut()
         .shared()
         .bench()
-        .set_playing(false);
-    harness.state_mut().shared().bench().seek(playback.duration_s);
+        .seek(playback.duration_s);
     harness.run_steps(2);
     let felt = view(harness.state());
     assert_ne!(felt.fingers[1].contact.touch, Touch::Free);
@@ -77,9 +79,11 @@ fn a_panel_pops_out_and_comes_back() {
     let mut harness = workbench(folder.path().to_owned());
     click(&mut harness, "Pop out Plots");
     assert!(harness.state().layout().is_popped("plots"));
-    assert!(harness.query_by_label("Plots").is_none_or(|tab| {
-        tab.rect().width() > 0.0
-    }));
+    assert!(
+        harness
+            .query_by_label("Plots")
+            .is_none_or(|tab| { tab.rect().width() > 0.0 })
+    );
     click(&mut harness, "Dock back Plots");
     assert!(!harness.state().layout().is_popped("plots"));
     assert!(harness.state().layout().is_shown("plots"));
@@ -107,7 +111,12 @@ fn escape_stops_force_whatever_is_open_and_a_button_allows_it_again() {
     assert!(!view(harness.state()).force_enabled);
     wait_for(&mut harness, "the servo", |w| !view(w).live.force_enabled);
     press(&mut harness);
-    assert_eq!(view(harness.state()).live.record.fingers[1].sent_force_n.length(), 0.0);
+    assert_eq!(
+        view(harness.state()).live.record.fingers[1]
+            .sent_force_n
+            .length(),
+        0.0
+    );
     click(&mut harness, "Allow force");
     wait_for(&mut harness, "force", |w| {
         view(w).live.record.fingers[1].sent_force_n.length() > 0.1
@@ -156,9 +165,8 @@ fn the_palette_finds_a_command_by_part_of_its_name() {
     let mut harness = workbench(folder.path().to_owned());
     open(&mut harness, Command::Do(Action::Palette));
     harness.run_steps(3);
-    harness
-        .get_by_role(egui::accesskit::Role::TextInput)
-        .type_text("stop for");
+    // The palette's field has the focus.
+    harness.event(egui::Event::Text("stop for".into()));
     harness.run_steps(3);
     harness.key_press(egui::Key::Enter);
     harness.run_steps(3);
@@ -179,7 +187,7 @@ fn every_control_of_the_workbench_has_a_name_dark_and_light() {
     }
 }
 
-fn open(harness: &mut Harness<'static, Workbench>, command: Command) {
+fn open(harness: &mut Window, command: Command) {
     let ctx = harness.ctx.clone();
     harness.state_mut().apply(&ctx, command);
     harness.run_steps(2);

@@ -315,11 +315,7 @@ impl egui_tiles::Behavior<String> for Behavior<'_> {
         super::theme::Theme::of(visuals.dark_mode).background
     }
 
-    fn resize_stroke(
-        &self,
-        style: &egui::Style,
-        state: egui_tiles::ResizeState,
-    ) -> egui::Stroke {
+    fn resize_stroke(&self, style: &egui::Style, state: egui_tiles::ResizeState) -> egui::Stroke {
         let theme = super::theme::Theme::of(style.visuals.dark_mode);
         match state {
             egui_tiles::ResizeState::Idle => {

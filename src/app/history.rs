@@ -448,8 +448,16 @@ mod tests {
         assert!(history.line(0, Channel::Depth, 0.0, 1.0, 100).is_empty());
         history.push(&record(0, 0, f64::NAN));
         history.push(&record(1, 200, 1.0));
-        assert!(history.line(0, Channel::NormalForce, 0.0, 1.0, 100).is_empty());
-        assert!(history.line(3, Channel::NormalForce, f64::NAN, 1.0, 0).is_empty());
+        assert!(
+            history
+                .line(0, Channel::NormalForce, 0.0, 1.0, 100)
+                .is_empty()
+        );
+        assert!(
+            history
+                .line(3, Channel::NormalForce, f64::NAN, 1.0, 0)
+                .is_empty()
+        );
         assert_eq!(history.at(0, Channel::Depth, -1.0), None);
     }
 

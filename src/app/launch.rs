@@ -163,10 +163,7 @@ impl Errand {
             let close = ctx.clone();
             ctx.request_screenshot(move |image| {
                 let _ = outcome.try_send(write_png(&path, &image));
-                close.send_viewport_cmd_to(
-                    egui::ViewportId::ROOT,
-                    egui::ViewportCommand::Close,
-                );
+                close.send_viewport_cmd_to(egui::ViewportId::ROOT, egui::ViewportCommand::Close);
             });
             self.screenshot = None;
         }

@@ -1,6 +1,9 @@
 //! What the tests of the window share.
 #![allow(dead_code, reason = "each test uses its part")]
-#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot be set up has failed"
+)]
 
 use dorsum::app::bench::Source;
 use dorsum::app::history::History;
@@ -13,7 +16,9 @@ use dorsum::contact::Touch;
 use dorsum::geom::Vec3;
 use dorsum::scenario::{self, Scenario, Scene, Use};
 use dorsum::servo::{FingerRecord, Health};
+use eframe::App;
 use egui_kittest::Harness;
+use std::ops::{Deref, DerefMut};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant};
@@ -140,7 +145,9 @@ pub fn running() -> View {
 fn recent() -> Vec<RecentFile> {
     (0..30)
         .map(|i| RecentFile {
-            path: PathBuf::from(format!("/tmp/2031-05-{i:02}_09-30-00_a-rather-long-name-of-a-scenario.mcap")),
+            path: PathBuf::from(format!(
+                "/tmp/2031-05-{i:02}_09-30-00_a-rather-long-name-of-a-scenario.mcap"
+            )),
             bytes: 1_000_000 * i,
         })
         .collect()
@@ -198,21 +205,55 @@ fn faulty() -> View {
     view
 }
 
+/// A workbench and the frame that eframe would hand it.
+pub struct Desk {
+    workbench: Option<Workbench>,
+    frame: eframe::Frame,
+}
+
+impl Deref for Desk {
+    type Target = Workbench;
+
+    fn deref(&self) -> &Workbench {
+        self.workbench.as_ref().expect("made in the first frame")
+    }
+}
+
+impl DerefMut for Desk {
+    fn deref_mut(&mut self) -> &mut Workbench {
+        self.workbench.as_mut().expect("made in the first frame")
+    }
+}
+
+/// A desk under test.
+pub type Window = Harness<'static, Desk>;
+
 /// A whole workbench without a window system, on the default scene, keeping recordings in `folder`.
-pub fn workbench(folder: PathBuf) -> Harness<'static, Workbench> {
-    let example = scenario::default_example();
+pub fn workbench(folder: PathBuf) -> Window {
+    let start = Start {
+        source: Some(Source::Example(scenario::default_example())),
+        folder,
+        ..Start::default()
+    };
+    let desk = Desk {
+        workbench: None,
+        frame: eframe::Frame::_new_kittest(),
+    };
     let mut harness = Harness::builder()
         .with_size([1280.0, 800.0])
-        .build_eframe(|cc| {
-            Workbench::new(
-                cc,
-                Start {
-                    source: Some(Source::Example(example)),
-                    folder,
-                    ..Start::default()
-                },
-            )
-        });
+        .with_context_setup(egui_material_icons::initialize)
+        .build_ui_state(
+            move |ui, desk: &mut Desk| {
+                let ctx = ui.ctx().clone();
+                let workbench = desk.workbench.get_or_insert_with(|| {
+                    let cc = eframe::CreationContext::_new_kittest(ctx.clone());
+                    Workbench::new(&cc, start.clone())
+                });
+                workbench.logic(&ctx, &mut desk.frame);
+                workbench.ui(ui, &mut desk.frame);
+            },
+            desk,
+        );
     wait_for(&mut harness, "the first scene", |w| view(w).scene.is_some());
     harness
 }
@@ -223,14 +264,14 @@ pub fn view(workbench: &Workbench) -> View {
 }
 
 /// Draws frames until `done` holds; a live bench has threads, so the clock is real.
-pub fn wait_for(
-    harness: &mut Harness<'static, Workbench>,
-    what: &str,
-    done: impl Fn(&Workbench) -> bool,
-) {
+pub fn wait_for(harness: &mut Window, what: &str, done: impl Fn(&Workbench) -> bool) {
     let start = Instant::now();
     while !done(harness.state()) {
-        assert!(start.elapsed() < Duration::from_secs(60), "{what} did not come: {:?}", said(harness.state()));
+        assert!(
+            start.elapsed() < Duration::from_secs(60),
+            "{what} did not come: {:?}",
+            said(harness.state())
+        );
         harness.run_steps(1);
         std::thread::sleep(Duration::from_millis(5));
     }
@@ -240,5 +281,9 @@ pub fn wait_for(
 
 /// All messages, for a failing test to tell.
 pub fn said(workbench: &Workbench) -> Vec<String> {
-    view(workbench).messages.iter().map(|m| m.text.clone()).collect()
+    view(workbench)
+        .messages
+        .iter()
+        .map(|m| m.text.clone())
+        .collect()
 }

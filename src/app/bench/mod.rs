@@ -145,7 +145,10 @@ impl Bench {
             if on {
                 self.tell(Level::Info, "Force is on");
             } else {
-                self.tell(Level::Warning, "Force is off: every device is at zero force");
+                self.tell(
+                    Level::Warning,
+                    "Force is off: every device is at zero force",
+                );
             }
         }
     }
@@ -316,7 +319,10 @@ impl Bench {
         }
         let recording = self.is_recording();
         let (Some(live), Some(scene)) = (&self.live, &self.scene) else {
-            self.tell(Level::Warning, "there is nothing to record yet: open a scene first");
+            self.tell(
+                Level::Warning,
+                "there is nothing to record yet: open a scene first",
+            );
             return;
         };
         let recorder = live.recorder().clone();
@@ -360,7 +366,10 @@ impl Bench {
     /// Copies a recording.
     pub fn copy_recording(&mut self, from: &Path, to: &Path) {
         if let Err(e) = self.recordings.copy(from, to) {
-            self.tell(Level::Error, format!("{}: cannot be written: {e}", to.display()));
+            self.tell(
+                Level::Error,
+                format!("{}: cannot be written: {e}", to.display()),
+            );
         }
     }
 

@@ -260,18 +260,28 @@ mod tests {
             recording_name(&header("T5 right, hypertonic")),
             "2031-05-17_09-30-00_t5-right-hypertonic.mcap"
         );
-        assert_eq!(recording_name(&header("../…/:")), "2031-05-17_09-30-00.mcap");
+        assert_eq!(
+            recording_name(&header("../…/:")),
+            "2031-05-17_09-30-00.mcap"
+        );
     }
 
     #[test]
     fn the_list_is_newest_first_and_a_missing_folder_is_empty() {
         let folder = tempfile::tempdir().expect("a folder");
-        assert!(Recordings::new(folder.path().join("none")).newest().is_none());
+        assert!(
+            Recordings::new(folder.path().join("none"))
+                .newest()
+                .is_none()
+        );
         for name in ["2030_a.mcap", "2031_b.mcap", "note.txt"] {
             std::fs::write(folder.path().join(name), b"x").expect("writes");
         }
         let recordings = Recordings::new(folder.path().to_owned());
-        assert_eq!(recordings.newest(), Some(folder.path().join("2031_b.mcap").as_path()));
+        assert_eq!(
+            recordings.newest(),
+            Some(folder.path().join("2031_b.mcap").as_path())
+        );
         assert_eq!(recordings.recent.len(), 2);
     }
 

@@ -90,8 +90,7 @@ impl MessagesPanel {
                     .on_hover_text("Copy the listed messages, to paste them into a report");
                 named(ui, &copy, "Copy messages");
                 if copy.clicked() {
-                    let text: Vec<String> =
-                        self.shown(&cx.view.messages).map(line).collect();
+                    let text: Vec<String> = self.shown(&cx.view.messages).map(line).collect();
                     ui.copy_text(text.join("\n"));
                 }
             });

@@ -84,7 +84,11 @@ fn record_ui(ui: &mut egui::Ui, cx: &PanelContext<'_>, recorder: &RecorderStatus
         Some(path) => {
             ui.horizontal(|ui| {
                 action_button_as(ui, cx, Action::Record, icon::ICON_STOP, "Stop");
-                ui.label(icon::ICON_FIBER_MANUAL_RECORD.rich_text().color(cx.view.theme.accent));
+                ui.label(
+                    icon::ICON_FIBER_MANUAL_RECORD
+                        .rich_text()
+                        .color(cx.view.theme.accent),
+                );
                 ui.monospace(clock(recorder.time_s));
                 ui.monospace(format!("{:>9}", bytes(recorder.bytes)));
                 if recorder.lost > 0 {
@@ -130,9 +134,11 @@ fn action_button_as(
     icon: egui_material_icons::MaterialIcon,
     text: &str,
 ) {
-    let button = ui
-        .button((icon.rich_text(), text))
-        .on_hover_text(with_key(ui.ctx(), action.spec().tooltip, action));
+    let button = ui.button((icon.rich_text(), text)).on_hover_text(with_key(
+        ui.ctx(),
+        action.spec().tooltip,
+        action,
+    ));
     named(ui, &button, text);
     if button.clicked() {
         cx.send.act(action);
@@ -180,7 +186,12 @@ fn playback_ui(ui: &mut egui::Ui, cx: &PanelContext<'_>, playback: &PlaybackStat
             (icon::ICON_PLAY_ARROW, "Play recording")
         };
         act(ui, Action::PlayPause, icon, name);
-        act(ui, Action::StepForward, icon::ICON_SKIP_NEXT, "Step forward");
+        act(
+            ui,
+            Action::StepForward,
+            icon::ICON_SKIP_NEXT,
+            "Step forward",
+        );
         let mut looped = playback.looped;
         let toggle = ui
             .selectable_label(looped, icon::ICON_REPEAT.rich_text().size(16.0))
@@ -254,11 +265,7 @@ fn recent_ui(ui: &mut egui::Ui, cx: &PanelContext<'_>, recorder: &RecorderStatus
                         cx.send.send(Command::OpenRecording(file.path.clone()));
                     }
                     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                        ui.label(
-                            egui::RichText::new(bytes(file.bytes))
-                                .monospace()
-                                .weak(),
-                        );
+                        ui.label(egui::RichText::new(bytes(file.bytes)).monospace().weak());
                     });
                 });
             }
@@ -266,8 +273,10 @@ fn recent_ui(ui: &mut egui::Ui, cx: &PanelContext<'_>, recorder: &RecorderStatus
 }
 
 fn file_name(path: &Path) -> String {
-    path.file_name()
-        .map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into())
+    path.file_name().map_or_else(
+        || path.display().to_string(),
+        |n| n.to_string_lossy().into(),
+    )
 }
 
 #[cfg(test)]

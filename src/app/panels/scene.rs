@@ -244,6 +244,9 @@ mod tests {
         assert_eq!(grouped(962), "962");
         assert_eq!(micros(0.523), "0.52");
         assert_eq!(micros(12345.6), "12,346");
-        assert_eq!(example_name("t5_right-hypertonic.toml"), "T5 right hypertonic");
+        assert_eq!(
+            example_name("t5_right-hypertonic.toml"),
+            "T5 right hypertonic"
+        );
     }
 }

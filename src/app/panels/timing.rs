@@ -84,7 +84,11 @@ fn numbers_ui(ui: &mut egui::Ui, cx: &PanelContext<'_>) {
     let t = &cx.view.live.timing;
     let f = &cx.view.frame;
     let rows: [(&str, String, &str); 7] = [
-        ("Ticks", t.ticks.to_string(), "Ticks since the start or the last reset"),
+        (
+            "Ticks",
+            t.ticks.to_string(),
+            "Ticks since the start or the last reset",
+        ),
         (
             "Late ticks",
             t.late_ticks.to_string(),
@@ -136,8 +140,11 @@ fn bars(histogram: &[u32; N_BINS], bin_us: f64) -> Vec<Bar> {
         .enumerate()
         .filter(|(_, count)| **count > 0)
         .map(|(i, count)| {
-            Bar::new((i as f64 + 0.5) * bin_us, libm::log10(1.0 + f64::from(*count)))
-                .width(bin_us * 0.9)
+            Bar::new(
+                (i as f64 + 0.5) * bin_us,
+                libm::log10(1.0 + f64::from(*count)),
+            )
+            .width(bin_us * 0.9)
         })
         .collect()
 }

@@ -54,10 +54,9 @@ impl Workbench {
                     dialogs::save_recording(send, from);
                 }
             }
-            Action::Quit => ctx.send_viewport_cmd_to(
-                egui::ViewportId::ROOT,
-                egui::ViewportCommand::Close,
-            ),
+            Action::Quit => {
+                ctx.send_viewport_cmd_to(egui::ViewportId::ROOT, egui::ViewportCommand::Close)
+            }
             Action::Record => shared.bench().toggle_recording(),
             Action::PlayPause => shared.bench().play_or_pause(),
             Action::StepBack => shared.bench().step(-1),

@@ -148,11 +148,7 @@ fn panels_ui(ui: &mut egui::Ui, shared: &Shared, layout: &Layout) {
                         Command::DockBack(slot.key),
                     )
                 } else {
-                    (
-                        icon::ICON_OPEN_IN_NEW,
-                        "Pop out",
-                        Command::PopOut(slot.key),
-                    )
+                    (icon::ICON_OPEN_IN_NEW, "Pop out", Command::PopOut(slot.key))
                 };
                 let name = format!("{name} {} from the menu", slot.title);
                 let tooltip = "A window of its own, or back into the main window";

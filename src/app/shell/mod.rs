@@ -123,7 +123,10 @@ impl Workbench {
             .and_then(|s| eframe::get_value::<Layout>(s, LAYOUT_KEY))
             .filter(|l| l.fits(&panels))
             .unwrap_or_else(|| Layout::first(&panels));
-        if let Some(slot) = panels.iter().find(|p| Some(p.key) == start.panel.as_deref()) {
+        if let Some(slot) = panels
+            .iter()
+            .find(|p| Some(p.key) == start.panel.as_deref())
+        {
             layout.show(slot.key);
         }
         let (send, commands) = command::queue(wake.clone());
@@ -233,17 +236,27 @@ impl eframe::App for Workbench {
         menu::keys(&ctx, &self.shared, view.playback.is_some());
         let theme = view.theme;
         egui::Panel::top("menu")
-            .frame(egui::Frame::new().fill(theme.panel).inner_margin(egui::Margin::symmetric(8, 4)))
+            .frame(
+                egui::Frame::new()
+                    .fill(theme.panel)
+                    .inner_margin(egui::Margin::symmetric(8, 4)),
+            )
             .show(ui, |ui| menu::bar_ui(ui, &self.shared, &self.layout, &view));
         egui::Panel::bottom("status")
-            .frame(egui::Frame::new().fill(theme.panel).inner_margin(egui::Margin::symmetric(8, 3)))
+            .frame(
+                egui::Frame::new()
+                    .fill(theme.panel)
+                    .inner_margin(egui::Margin::symmetric(8, 3)),
+            )
             .show(ui, |ui| status::ui(ui, &view));
         egui::CentralPanel::no_frame().show(ui, |ui| {
-            ui.painter().rect_filled(ui.max_rect(), 0.0, theme.background);
+            ui.painter()
+                .rect_filled(ui.max_rect(), 0.0, theme.background);
             let shared = self.shared.clone();
-            self.layout.ui(ui, &shared.panels, &shared.send, &mut |ui, slot| {
-                shared.draw(ui, slot, &view);
-            });
+            self.layout
+                .ui(ui, &shared.panels, &shared.send, &mut |ui, slot| {
+                    shared.draw(ui, slot, &view);
+                });
         });
         windows::show(&ctx, &self.shared, &self.layout);
         if let Some(palette) = &mut self.palette

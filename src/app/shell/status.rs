@@ -10,7 +10,11 @@ pub fn ui(ui: &mut egui::Ui, view: &View) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 6.0;
         let scene = match (&view.build, &view.scene) {
-            (Some(build), _) => format!("Building {} {:>3.0} %", build.scenario, build.fraction * 100.0),
+            (Some(build), _) => format!(
+                "Building {} {:>3.0} %",
+                build.scenario,
+                build.fraction * 100.0
+            ),
             (None, Some(scene)) => scene.scenario.name.clone(),
             (None, None) => "No scene".into(),
         };

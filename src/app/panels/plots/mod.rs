@@ -156,13 +156,10 @@ impl Plots {
                         let points: Vec<PlotPoint> =
                             run.iter().map(|p| PlotPoint::new(p[0], p[1])).collect();
                         plot.line(
-                            Line::new(
-                                FINGER_NAMES[finger],
-                                egui_plot::PlotPoints::Owned(points),
-                            )
-                            .color(theme.finger(finger))
-                            .width(1.5)
-                            .allow_hover(false),
+                            Line::new(FINGER_NAMES[finger], egui_plot::PlotPoints::Owned(points))
+                                .color(theme.finger(finger))
+                                .width(1.5)
+                                .allow_hover(false),
                         );
                     }
                 }
@@ -176,7 +173,10 @@ impl Plots {
                             .style(LineStyle::dotted_dense()),
                     );
                 }
-                plot.response().hovered().then(|| plot.pointer_coordinate()).flatten()
+                plot.response()
+                    .hovered()
+                    .then(|| plot.pointer_coordinate())
+                    .flatten()
             });
             cursor_s = cursor_s.or(response.inner.map(|p| p.x));
             self.interact(ui, &response.response, response.inner.map(|p| p.x), cx);
