@@ -35,3 +35,53 @@ pub fn n_per_mm2_from_kpa(pressure_kpa: f64) -> f64 {
 pub fn s_from_ns(time_ns: u64) -> f64 {
     time_ns as f64 / NS_PER_S
 }
+
+/// A unit that a mesh file may be in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LengthUnit {
+    /// Millimetre.
+    Mm,
+    /// Centimetre.
+    Cm,
+    /// Metre.
+    M,
+    /// Inch.
+    Inch,
+}
+
+impl LengthUnit {
+    /// All units, from the smallest.
+    pub const ALL: [Self; 4] = [Self::Mm, Self::Cm, Self::Inch, Self::M];
+
+    /// How many millimetres one of it is.
+    pub fn in_mm(self) -> f64 {
+        match self {
+            Self::Mm => 1.0,
+            Self::Cm => 10.0,
+            Self::M => 1000.0,
+            Self::Inch => 25.4,
+        }
+    }
+
+    /// The name used in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mm => "mm",
+            Self::Cm => "cm",
+            Self::M => "m",
+            Self::Inch => "inch",
+        }
+    }
+
+    /// The unit with the given [name](Self::name).
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|unit| unit.name() == name)
+    }
+}
+
+impl std::fmt::Display for LengthUnit {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}

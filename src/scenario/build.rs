@@ -7,7 +7,8 @@ use crate::deform::models::fsmd;
 use crate::maps::StiffnessMap;
 use crate::partition::Partition as _;
 use crate::partition::bvh::Bvh;
-use crate::surface::{RawMesh, Report, Surface, back};
+use crate::surface::{self, RawMesh, Report, Surface, back};
+use crate::units::LengthUnit;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -169,6 +170,9 @@ fn stays_inside(file: &Path, folder: &Path) -> Result<(), BuildError> {
     }
 }
 
-fn read_mesh(file: &Path, _units: Option<&str>) -> Result<RawMesh, BuildError> {
-    Err(BuildError(format!("{}: no reader", file.display())))
+fn read_mesh(file: &Path, units: Option<&str>) -> Result<RawMesh, BuildError> {
+    let units = units.and_then(LengthUnit::from_name);
+    let read = surface::io::read(file, units);
+    let (mesh, _units) = read.map_err(|e| BuildError(e.to_string()))?;
+    Ok(mesh)
 }
