@@ -4,6 +4,7 @@
 //! names the cause and the remedy. With `--json` one JSON document stands on stdout and nothing else.
 
 mod common;
+mod mesh;
 mod replay;
 mod run;
 mod scene;
@@ -59,6 +60,9 @@ enum Command {
     Replay(replay::ReplayArgs),
     /// Tell what a scenario needs and what is left out, with bytes and µs.
     Scene(scene::SceneArgs),
+    /// Look into mesh files, or write the built-in back.
+    #[command(subcommand)]
+    Mesh(mesh::MeshCommand),
 }
 
 /// Prints a line, or several, on stdout. Whoever closed the pipe has read enough: that is no error.
@@ -94,6 +98,7 @@ pub fn main() -> u8 {
         Some(Command::Run(args)) => run::run(args, json),
         Some(Command::Replay(args)) => replay::run(args, json),
         Some(Command::Scene(args)) => scene::run(args, json),
+        Some(Command::Mesh(command)) => mesh::run(command, json),
     };
     match outcome {
         Ok(Outcome::Done) => 0,
