@@ -77,7 +77,7 @@ fn load(args: &FileArgs) -> Result<(Surface, Report, UnitsFound), CliError> {
 /// Measures of a mesh, after repair.
 #[derive(Debug, Serialize)]
 struct Info {
-    file: PathBuf,
+    file: String,
     units: UnitsFound,
     vertices: usize,
     triangles: usize,
@@ -106,7 +106,7 @@ impl Info {
         let edge_max_mm = longer.iter().copied().fold(edge_median_mm, f64::max);
         let n = surface.triangles().len() as u32;
         Self {
-            file: file.to_path_buf(),
+            file: file.display().to_string(),
             units,
             vertices: surface.positions().len(),
             triangles: surface.triangles().len(),
@@ -168,7 +168,7 @@ fn info(args: &FileArgs, json: bool) -> Result<Outcome, CliError> {
     }
     let row = |name: &str, value: String| print(format_args!("{name:<16} {value}"));
     let [min, max] = [info.bounds_min_mm, info.bounds_max_mm];
-    row("file", info.file.display().to_string());
+    row("file", info.file.clone());
     row("units", info.units.to_string());
     row("triangles", info.triangles.to_string());
     row("vertices", info.vertices.to_string());
@@ -190,7 +190,8 @@ fn info(args: &FileArgs, json: bool) -> Result<Outcome, CliError> {
         "defects",
         match info.defects {
             0 => "none".into(),
-            n => format!("{n} kinds; see dorsum mesh validate"),
+            1 => "of 1 kind; see dorsum mesh validate".into(),
+            n => format!("of {n} kinds; see dorsum mesh validate"),
         },
     );
     row("sha256", info.sha256);
@@ -242,7 +243,7 @@ enum Verdict {
 
 #[derive(Serialize)]
 struct Validated<'a> {
-    file: &'a Path,
+    file: String,
     verdict: Verdict,
     units: &'a UnitsFound,
     #[serde(flatten)]
@@ -260,7 +261,7 @@ fn validate(args: &FileArgs, strict: bool, json: bool) -> Result<Outcome, CliErr
     };
     if json {
         print_json(&Validated {
-            file: &args.file,
+            file: args.file.display().to_string(),
             verdict,
             units: &units,
             report: &report,
@@ -301,7 +302,7 @@ fn make(triangles: u32, out: &Path, ascii: bool, json: bool) -> Result<Outcome, 
     ply::write(out, &raw.positions, &raw.triangles, &[], encoding).map_err(CliError::input)?;
     if json {
         print_json(&serde_json::json!({
-            "file": out,
+            "file": out.display().to_string(),
             "triangles": raw.triangles.len(),
             "vertices": raw.positions.len(),
         }))?;

@@ -5,6 +5,7 @@
 //! face one way; double vertices where sheets touch in a point. All of it costs sorting at most.
 
 mod cut;
+mod flat;
 mod orient;
 mod report;
 mod weld;
@@ -19,10 +20,6 @@ use orient::{Pieces, orient};
 pub use report::{
     Component, Defect, Edge, Element, Found, MAX_COORDINATE_MM, MeshError, Report, RimLoop,
 };
-
-/// Height over longest edge below which a triangle has no area: far above what rounding leaves of three points on a line
-/// (10⁻¹³ for a back written with all digits), far below the thinnest triangle of a 32-bit file (10⁻⁷).
-const THINNEST: f64 = 1.0e-10;
 
 /// The repaired mesh with its adjacency, and what was found.
 #[derive(Debug)]
@@ -56,11 +53,7 @@ pub(super) fn repair(mut raw: RawMesh) -> Result<Repaired, MeshError> {
     };
     let mut defects = Vec::new();
     let joined = sheet.join_coincident(&mut defects);
-    let (positions, triangles) = (&sheet.positions, &sheet.triangles);
-    let flat: Vec<u32> = (0..of as u32)
-        .filter(|&t| !has_area(triangles[t as usize].map(|v| positions[v as usize])))
-        .collect();
-    defects.extend(sheet.remove(&flat).told(Defect::DegenerateTriangles));
+    defects.extend(flat::remove_flat(&mut sheet).told(Defect::DegenerateTriangles));
     if sheet.triangles.is_empty() {
         return Err(MeshError::NothingLeft { of });
     }
@@ -141,16 +134,6 @@ fn refuse_unusable(raw: &mut RawMesh) -> Result<(), MeshError> {
         }
     }
     Ok(())
-}
-
-/// Whether the triangle is more than a point or a line, and has a normal.
-fn has_area([a, b, c]: [Vec3; 3]) -> bool {
-    let (ab, ac) = (b - a, c - a);
-    let longest_sq = (ab.length_squared())
-        .max(ac.length_squared())
-        .max((c - b).length_squared());
-    let doubled_area_sq = ab.cross(ac).length_squared();
-    doubled_area_sq >= f64::MIN_POSITIVE && doubled_area_sq.sqrt() > THINNEST * longest_sq
 }
 
 impl Sheet {

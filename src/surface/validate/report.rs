@@ -128,7 +128,7 @@ pub enum Defect {
     },
     /// Vertices at exactly the same place as an earlier one were joined to it.
     CoincidentVertices(Found<Element>),
-    /// Triangles that name a vertex twice or have no area were removed.
+    /// Triangles that name a vertex twice or have no area were removed, and neighbours cut where that would leave a gap.
     DegenerateTriangles(Found<Element>),
     /// Triangles with the same three vertices as an earlier one were removed.
     DuplicateTriangles(Found<Element>),
