@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-use dorsum::contact::{Friction, Stiffness, TouchScene};
+use dorsum::contact::{Friction, Stiffness, Touch, TouchScene};
 use dorsum::device::scripted::{Script, Scripted};
 use dorsum::device::{Device, Reading};
 use dorsum::geom::Vec3;
@@ -146,7 +146,12 @@ fn write(path: &Path, records: impl IntoIterator<Item = TickRecord>) {
 
 #[test]
 fn a_run_replays_bit_for_bit() {
-    let file = recorded(ticks(1500));
+    let run = ticks(1500);
+    for touch in [Touch::Free, Touch::Stick, Touch::Slip] {
+        let any = |t: &TickRecord| t.fingers().iter().any(|r| r.contact.touch == touch);
+        assert!(run.iter().any(any), "the run has no {touch:?}");
+    }
+    let file = recorded(run);
     let report = check(&file.session(), rig(0.2), Strictness::Strict).unwrap();
     assert!(report.is_bit_exact(), "{:?}", report.first_difference);
     assert_eq!(
@@ -224,6 +229,31 @@ fn one_changed_bit_of_an_outcome_is_found_with_its_field() {
         assert_eq!(report.differences.len(), 1);
         assert!(report.differences[0].max > 0.0 && report.differences[0].records == 1);
     }
+}
+
+#[test]
+fn a_changed_stiffness_is_found_at_the_first_touch() {
+    let run = ticks(900);
+    let mut rig = rig(0.2);
+    let Stiffness::PerVertex(values) = &rig.scene.stiffness else {
+        panic!("the sheet has one value per vertex");
+    };
+    let changed = values
+        .iter()
+        .map(|k| f64::from_bits(k.to_bits() ^ (1 << 20)));
+    rig.scene.stiffness = Stiffness::PerVertex(changed.collect());
+    let report = check(&recorded(run.clone()).session(), rig, Strictness::Strict).unwrap();
+    let first = report.first_difference.unwrap();
+    // The first tick of a file is where a replay starts from; it is not repeated.
+    let touching = |t: &&TickRecord| t.fingers().iter().any(|r| r.contact.touch != Touch::Free);
+    let touch = run.iter().skip(1).find(touching).unwrap();
+    assert_eq!(first.tick, touch.fingers[0].tick);
+    assert_eq!(first.field, "stiffness_n_per_mm");
+    let fields: Vec<_> = report.differences.iter().map(|d| d.field).collect();
+    assert!(
+        fields.contains(&"force_n") && fields.contains(&"sent_force_n"),
+        "{fields:?}"
+    );
 }
 
 fn next(v: f64) -> f64 {

@@ -12,7 +12,7 @@ use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
 /// The ring is emptied this often. It holds seconds of ticks; this is short so that plots are fluid.
-const PERIOD: Duration = Duration::from_millis(4);
+const PERIOD: Duration = Duration::from_millis(8);
 /// Records handed on at once.
 const BATCH: usize = 4096;
 /// Orders that wait while the disk is slow.
