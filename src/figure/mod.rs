@@ -1,1 +1,22 @@
 //! Pictures without a window: plots and the shaded back.
+//!
+//! [`Picture`] draws the skin and the fingers in software, [`plot`] draws curves as SVG. Both need no display, no graphics
+//! library and no installed font, and give the same bytes every time.
+
+mod camera;
+mod file;
+mod image;
+pub mod picture;
+pub mod plot;
+mod raster;
+mod relief;
+
+pub use camera::Camera;
+pub use image::Image;
+pub use picture::{Ball, Picture};
+pub use plot::{LinePlot, Series, write_svg};
+
+/// sRGB colour of the left finger, everywhere.
+pub const LEFT: [u8; 3] = [38, 104, 196];
+/// sRGB colour of the right finger, everywhere.
+pub const RIGHT: [u8; 3] = [200, 52, 48];

@@ -1,0 +1,405 @@
+//! Curves over one axis, as SVG.
+
+use super::file::write_whole;
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, ValueFormatter};
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::io::{Error, Result};
+use std::ops::Range;
+use std::path::Path;
+
+/// A curve.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Series {
+    /// Name in the legend.
+    pub name: String,
+    /// sRGB colour.
+    pub colour: [u8; 3],
+    /// Points (x, y) in the order they are joined. Those not finite, or farther than 1e15 from 0, are left out.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// Curves in one frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LinePlot {
+    /// Above the frame.
+    pub title: String,
+    /// What x is, with its unit, as `time (s)`.
+    pub x_label: String,
+    /// What y is, with its unit, as `force (N)`.
+    pub y_label: String,
+    /// The curves, the last on top.
+    pub series: Vec<Series>,
+}
+
+const WIDTH: u32 = 1000;
+const TITLE_HEIGHT: u32 = 30;
+const LEGEND_ROW_HEIGHT: u32 = 20;
+const FRAME_HEIGHT: u32 = 210;
+const X_LABEL_HEIGHT: u32 = 46;
+const GAP: u32 = 14;
+const LEFT_MARGIN: u32 = 12;
+const RIGHT_MARGIN: u32 = 28;
+const Y_LABEL_WIDTH: u32 = 68;
+const FRAME_LEFT: u32 = LEFT_MARGIN + Y_LABEL_WIDTH;
+const FRAME_WIDTH: u32 = WIDTH - FRAME_LEFT - RIGHT_MARGIN;
+/// The SVG backend divides a font's size by this.
+const FONT_SCALE: f64 = 1.24;
+const TITLE_SIZE: f64 = 16.0;
+const TEXT_SIZE: f64 = 12.5;
+/// A wide character, em: no font is at hand to measure with.
+const EM_PER_CHAR: f64 = 0.62;
+/// Farther out than any quantity here, and well inside what the axes can be divided over.
+const FARTHEST: f64 = 1.0e15;
+
+const INK: RGBColor = RGBColor(52, 58, 66);
+const FAINT: RGBColor = RGBColor(120, 128, 138);
+const GRID: RGBColor = RGBColor(226, 230, 235);
+const AXIS: RGBColor = RGBColor(160, 168, 178);
+
+/// Draws the plots one above the other over a common range of x.
+///
+/// Each series is one polyline. One with many points to a pixel column keeps, of each run of points in a column, the first,
+/// the lowest, the highest and the last, so that every extremum stays and the file stays small. A plot without a point
+/// says so.
+pub fn svg(plots: &[LinePlot]) -> Result<String> {
+    let nothing = [LinePlot::default()];
+    let plots = if plots.is_empty() { &nothing } else { plots };
+    let x_range = padded(extent(plots.iter().flat_map(points).map(|p| p[0])), 0.0);
+    let tall: Vec<u32> = plots
+        .iter()
+        .enumerate()
+        .map(|(i, plot)| height_of(plot, i + 1 == plots.len()))
+        .collect();
+    let height = tall.iter().sum::<u32>() + GAP;
+    let mut text = String::new();
+    {
+        let root = SVGBackend::with_string(&mut text, (WIDTH, height)).into_drawing_area();
+        root.fill(&WHITE).map_err(Error::other)?;
+        let mut rest = root;
+        for (i, (plot, tall)) in plots.iter().zip(tall).enumerate() {
+            let (area, below) = rest.split_vertically(tall);
+            draw(&area, plot, &x_range, i + 1 == plots.len())?;
+            rest = below;
+        }
+        rest.present().map_err(Error::other)?;
+    }
+    Ok(text)
+}
+
+/// Writes [`svg`] to a file: beside `path`, then renamed, so that no reader sees half of one. The folder must exist.
+///
+/// # Errors
+/// Those of the file system.
+pub fn write_svg(path: &Path, plots: &[LinePlot]) -> Result<()> {
+    write_whole(path, svg(plots)?.as_bytes())
+}
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+
+fn draw(area: &Area, plot: &LinePlot, x_range: &Range<f64>, last: bool) -> Result<()> {
+    let title = style(TITLE_SIZE, INK).pos(Pos::new(HPos::Left, VPos::Center));
+    let title_text = shortened(&plot.title, FRAME_WIDTH, TITLE_SIZE);
+    let title_at = (FRAME_LEFT as i32, TITLE_HEIGHT as i32 / 2 + 4);
+    area.draw_text(&title_text, &title, title_at)
+        .map_err(Error::other)?;
+    for entry in legend(plot) {
+        let middle = (TITLE_HEIGHT + entry.row * LEGEND_ROW_HEIGHT + LEGEND_ROW_HEIGHT / 2) as i32;
+        let left = (FRAME_LEFT + entry.left) as i32;
+        let [r, g, b] = entry.colour;
+        let swatch = [(left, middle - 2), (left + SWATCH_WIDTH as i32, middle + 1)];
+        area.draw(&Rectangle::new(swatch, RGBColor(r, g, b).filled()))
+            .map_err(Error::other)?;
+        let text = style(TEXT_SIZE, INK).pos(Pos::new(HPos::Left, VPos::Center));
+        let at = (left + SWATCH_WIDTH as i32 + 6, middle);
+        area.draw_text(&entry.name, &text, at)
+            .map_err(Error::other)?;
+    }
+
+    let y_range = padded(extent(points(plot).map(|p| p[1])), 0.06);
+    let x_label_height = if last { X_LABEL_HEIGHT } else { 0 };
+    let mut chart = ChartBuilder::on(area)
+        .margin_top(TITLE_HEIGHT + legend_rows(plot) * LEGEND_ROW_HEIGHT + 4)
+        .margin_bottom(if last { 0 } else { 4 })
+        .margin_left(LEFT_MARGIN)
+        .margin_right(RIGHT_MARGIN)
+        .x_label_area_size(x_label_height)
+        .y_label_area_size(Y_LABEL_WIDTH)
+        .build_cartesian_2d(Axis::new(x_range.clone(), 10), Axis::new(y_range, 5))
+        .map_err(Error::other)?;
+    let text = style(TEXT_SIZE, INK);
+    let label_chars = |px: u32| shortened_chars(px, TEXT_SIZE);
+    let mut mesh = chart.configure_mesh();
+    mesh.bold_line_style(GRID)
+        .axis_style(AXIS)
+        .label_style(text.clone())
+        .axis_desc_style(text)
+        .y_desc(cut(&plot.y_label, label_chars(FRAME_HEIGHT)));
+    if last {
+        mesh.x_desc(cut(&plot.x_label, label_chars(FRAME_WIDTH)));
+    }
+    mesh.draw().map_err(Error::other)?;
+
+    let column = (x_range.end - x_range.start) / f64::from(FRAME_WIDTH);
+    for series in &plot.series {
+        let [r, g, b] = series.colour;
+        let curve = decimated(drawn(series), x_range.start, column);
+        chart
+            .draw_series(LineSeries::new(
+                curve.into_iter().map(|[x, y]| (x, y)),
+                RGBColor(r, g, b).stroke_width(2),
+            ))
+            .map_err(Error::other)?;
+    }
+    if points(plot).next().is_none() {
+        let style = style(TITLE_SIZE, FAINT).pos(Pos::new(HPos::Center, VPos::Center));
+        let (x, y) = chart.plotting_area().get_pixel_range();
+        let origin = area.get_base_pixel();
+        let at = (
+            (x.start + x.end) / 2 - origin.0,
+            (y.start + y.end) / 2 - origin.1,
+        );
+        area.draw_text("no data", &style, at)
+            .map_err(Error::other)?;
+    }
+    Ok(())
+}
+
+fn style(size: f64, colour: RGBColor) -> TextStyle<'static> {
+    let mut style = TextStyle::from(("sans-serif", size * FONT_SCALE).into_font());
+    style.color = colour.to_backend_color();
+    style
+}
+
+fn height_of(plot: &LinePlot, last: bool) -> u32 {
+    let below = if last { X_LABEL_HEIGHT } else { GAP };
+    TITLE_HEIGHT + legend_rows(plot) * LEGEND_ROW_HEIGHT + FRAME_HEIGHT + below
+}
+
+const SWATCH_WIDTH: u32 = 18;
+
+/// A name in the legend: where, in what colour.
+struct Entry {
+    row: u32,
+    /// From the left of the frame, pixels.
+    left: u32,
+    name: String,
+    colour: [u8; 3],
+}
+
+/// The named series in as many rows as they need.
+fn legend(plot: &LinePlot) -> Vec<Entry> {
+    let (mut row, mut left) = (0, 0);
+    let mut entries = Vec::new();
+    for series in plot.series.iter().filter(|s| !s.name.trim().is_empty()) {
+        let name = shortened(&series.name, FRAME_WIDTH / 2, TEXT_SIZE);
+        let chars = name.chars().count() as f64;
+        let wide = SWATCH_WIDTH + 24 + (chars * EM_PER_CHAR * TEXT_SIZE) as u32;
+        if left > 0 && left + wide > FRAME_WIDTH {
+            (row, left) = (row + 1, 0);
+        }
+        entries.push(Entry {
+            row,
+            left,
+            name,
+            colour: series.colour,
+        });
+        left += wide;
+    }
+    entries
+}
+
+fn legend_rows(plot: &LinePlot) -> u32 {
+    legend(plot).last().map_or(0, |entry| entry.row + 1)
+}
+
+/// How many characters fit.
+fn shortened_chars(width_px: u32, size: f64) -> usize {
+    (f64::from(width_px) / (EM_PER_CHAR * size)) as usize
+}
+
+fn shortened(text: &str, width_px: u32, size: f64) -> String {
+    cut(text, shortened_chars(width_px, size))
+}
+
+/// At most `n` characters, with an ellipsis where some are missing, and none that XML forbids.
+fn cut(text: &str, n: usize) -> String {
+    let allowed = |c: char| {
+        if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') {
+            ' '
+        } else {
+            c
+        }
+    };
+    let mut short: String = text.chars().take(n).map(allowed).collect();
+    if text.chars().nth(n).is_some() {
+        short.pop();
+        short.push('…');
+    }
+    short
+}
+
+fn is_drawn(p: &[f64; 2]) -> bool {
+    // Written so that what is not a number is not drawn.
+    p.iter().all(|c| c.abs() <= FARTHEST)
+}
+
+fn drawn(series: &Series) -> impl Iterator<Item = [f64; 2]> {
+    series.points.iter().copied().filter(is_drawn)
+}
+
+fn points(plot: &LinePlot) -> impl Iterator<Item = [f64; 2]> {
+    plot.series.iter().flat_map(drawn)
+}
+
+fn extent(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    values.fold(None, |found, v| match found {
+        None => Some((v, v)),
+        Some((low, high)) => Some((f64::min(low, v), f64::max(high, v))),
+    })
+}
+
+/// The range of an axis: the values with `margin` of their span to each side, never without a width. 0 to 1 for no value.
+///
+/// Zero is taken in where it is near, for a curve that all but touches it misleads when cut off there.
+fn padded(extent: Option<(f64, f64)>, margin: f64) -> Range<f64> {
+    let Some((mut low, mut high)) = extent else {
+        return 0.0..1.0;
+    };
+    // A span that the axis cannot be divided over: the values are all but equal.
+    let least = 1.0e-9 * low.abs().max(high.abs()).max(1.0e-3);
+    if high - low < least {
+        let half = 0.05 * low.abs().max(high.abs());
+        let half = if half > least { half } else { 0.5 };
+        return low - half..high + half;
+    }
+    let span = high - low;
+    if margin > 0.0 {
+        let (starts_at_zero, ends_at_zero) = (
+            low >= 0.0 && low < 0.3 * span,
+            high <= 0.0 && -high < 0.3 * span,
+        );
+        let pad = margin * span;
+        low = if starts_at_zero { 0.0 } else { low - pad };
+        high = if ends_at_zero { 0.0 } else { high + pad };
+    }
+    low..high
+}
+
+/// An axis with marks at round places: multiples of 1, 2 or 5 times a power of ten.
+struct Axis {
+    range: Range<f64>,
+    step: f64,
+    decimals: usize,
+    is_wide: bool,
+}
+
+impl Axis {
+    /// With about `n` marks; `range` has a width.
+    fn new(range: Range<f64>, n: usize) -> Self {
+        let rough = (range.end - range.start) / n as f64;
+        let power = libm::pow(10.0, libm::floor(libm::log10(rough)));
+        let step = [1.0, 2.0, 5.0]
+            .into_iter()
+            .map(|m| m * power)
+            .find(|&s| s >= rough * 0.999)
+            .unwrap_or(10.0 * power);
+        let most = range.start.abs().max(range.end.abs());
+        Self {
+            range,
+            step,
+            decimals: (-libm::floor(libm::log10(step * 1.001))).max(0.0) as usize,
+            is_wide: most >= 1.0e6 || step < 1.0e-5,
+        }
+    }
+}
+
+impl Ranged for Axis {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
+        let share = (value - self.range.start) / (self.range.end - self.range.start);
+        let span = f64::from(limit.1) - f64::from(limit.0);
+        (f64::from(limit.0) + share * span).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, _: Hint) -> Vec<f64> {
+        let first = (self.range.start / self.step - 1.0e-6).ceil() as i64;
+        let last = (self.range.end / self.step + 1.0e-6).floor() as i64;
+        (first..=last).map(|i| i as f64 * self.step).collect()
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.range.clone()
+    }
+}
+
+impl ValueFormatter<f64> for Axis {
+    fn format_ext(&self, value: &f64) -> String {
+        let text = if *value == 0.0 {
+            "0".to_owned()
+        } else if self.is_wide {
+            format!("{value:.3e}")
+        } else {
+            format!("{value:.*}", self.decimals)
+        };
+        text.replace('-', "\u{2212}")
+    }
+}
+
+/// The same curve with at most four points for each run of points in one column `column` wide: first, lowest, highest, last.
+fn decimated(points: impl Iterator<Item = [f64; 2]>, start: f64, column: f64) -> Vec<[f64; 2]> {
+    let mut kept = Vec::new();
+    let mut run: Option<Run> = None;
+    for (i, point) in points.enumerate() {
+        let at = libm::floor((point[0] - start) / column);
+        match &mut run {
+            Some(run) if run.column == at => run.add(i, point),
+            _ => {
+                if let Some(run) = run.take() {
+                    run.put(&mut kept);
+                }
+                run = Some(Run {
+                    column: at,
+                    ends: [(i, point); 4],
+                });
+            }
+        }
+    }
+    if let Some(run) = run {
+        run.put(&mut kept);
+    }
+    kept
+}
+
+/// Points that follow each other inside one pixel column.
+struct Run {
+    column: f64,
+    /// First, lowest, highest, last, each with its place in the curve.
+    ends: [(usize, [f64; 2]); 4],
+}
+
+impl Run {
+    fn add(&mut self, i: usize, point: [f64; 2]) {
+        let [_, lowest, highest, last] = &mut self.ends;
+        if point[1] < lowest.1[1] {
+            *lowest = (i, point);
+        }
+        if point[1] > highest.1[1] {
+            *highest = (i, point);
+        }
+        *last = (i, point);
+    }
+
+    fn put(mut self, out: &mut Vec<[f64; 2]>) {
+        self.ends.sort_by_key(|end| end.0);
+        let mut before = None;
+        for (i, point) in self.ends {
+            if before != Some(i) {
+                out.push(point);
+            }
+            before = Some(i);
+        }
+    }
+}
