@@ -58,7 +58,7 @@ fn cuts(sheet: &Sheet, flat: &[u32]) -> Vec<(u32, u32)> {
         let [a, b, c] = sheet.triangles[t as usize];
         a != b && b != c && c != a
     };
-    if !flat.iter().any(|t| names_three(t)) {
+    if !flat.iter().any(names_three) {
         return Vec::new();
     }
     let mut is_flat = Bits::new(sheet.triangles.len());
