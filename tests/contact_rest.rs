@@ -23,11 +23,46 @@ fn scene(mesh: RawMesh) -> TouchScene {
     }
 }
 
-fn flipped(mut mesh: RawMesh) -> RawMesh {
-    for t in &mut mesh.triangles {
-        t.swap(1, 2);
+/// `outer` with `inner` hollowed out of it, open where both have lost the triangles `lid`: a closed body whose cavity can
+/// be reached. `mouth` are the vertices of the opening, counter-clockwise seen from outside, the same in both.
+fn hollow(outer: RawMesh, inner: RawMesh, lid: &[usize], mouth: &[u32]) -> RawMesh {
+    let n = outer.positions.len() as u32;
+    let keep = |mesh: &RawMesh| -> Vec<[u32; 3]> {
+        let all = mesh.triangles.iter().enumerate();
+        all.filter(|(i, _)| !lid.contains(i))
+            .map(|(_, &t)| t)
+            .collect()
+    };
+    let mut mesh = RawMesh {
+        triangles: keep(&outer),
+        positions: outer.positions,
+    };
+    mesh.triangles
+        .extend(keep(&inner).iter().map(|t| [t[0] + n, t[2] + n, t[1] + n]));
+    mesh.positions.extend(inner.positions);
+    for i in 0..mouth.len() {
+        let (a, b) = (mouth[i], mouth[(i + 1) % mouth.len()]);
+        mesh.triangles.extend([[a, b, b + n], [a, b + n, a + n]]);
     }
     mesh
+}
+
+/// A box-shaped cavity, open at the top of its box.
+fn cup(low: Vec3, high: Vec3) -> RawMesh {
+    let wall = Vec3::new(5.0, 5.0, 5.0);
+    let outer = cuboid(low - wall, Vec3::new(high.x + 5.0, high.y + 5.0, high.z));
+    hollow(outer, cuboid(low, high), &[2, 3], &[4, 5, 7, 6])
+}
+
+/// A ball-shaped cavity, open at one triangle near the top.
+fn bowl(radius: f64, levels: u32) -> RawMesh {
+    let (outer, inner) = (icosphere(8.0 * radius, levels), icosphere(radius, levels));
+    let height = |t: &[u32; 3]| -> f64 { t.map(|v| outer.positions[v as usize].z).iter().sum() };
+    let lid = (0..outer.triangles.len())
+        .max_by(|&a, &b| height(&outer.triangles[a]).total_cmp(&height(&outer.triangles[b])))
+        .unwrap();
+    let mouth = outer.triangles[lid];
+    hollow(outer, inner, &[lid], &mouth)
 }
 
 fn free_at(p: Vec3) -> ContactState {
@@ -198,16 +233,16 @@ fn stiffness_is_barycentric_on_the_triangle() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Inside a box the free space is convex and the closest point is a clamp: faces, valleys (two planes) and corners
     /// (three), reached in one tick however far the HIP jumps.
     #[test]
     fn in_a_box_shaped_cavity_the_proxy_is_the_clamped_hip(
-        hips in prop::collection::vec([-30.0..30.0_f64, -30.0..30.0, -30.0..30.0], 30),
+        hips in prop::collection::vec([-30.0..30.0_f64, -30.0..30.0, -30.0..7.9], 30),
     ) {
         let (low, high) = (Vec3::new(-10.0, -7.0, -12.0), Vec3::new(9.0, 11.0, 8.0));
-        let s = scene(flipped(cuboid(low, high)));
+        let s = scene(cup(low, high));
         let mut state = free_at(Vec3::ZERO);
         for hip in hips {
             let hip = Vec3::from_array(hip);
@@ -223,11 +258,11 @@ proptest! {
     /// stretches a step, which bounds the step of the force.
     #[test]
     fn in_a_ball_shaped_cavity_the_proxy_is_the_closest_point_and_the_force_is_continuous(
-        hips in prop::collection::vec(([-25.0..25.0_f64, -25.0..25.0, -25.0..25.0], 0.001..1.0_f64), 20),
+        hips in prop::collection::vec(([-25.0..25.0_f64, -25.0..25.0, -25.0..-3.0], 0.001..1.0_f64), 20),
     ) {
-        let s = scene(flipped(icosphere(15.0, 2)));
-        let mut state = free_at(Vec3::ZERO);
-        let (mut last_hip, mut last_force) = (Vec3::ZERO, Vec3::ZERO);
+        let s = scene(bowl(15.0, 2));
+        let mut state = free_at(-Vec3::Z * 3.0);
+        let (mut last_hip, mut last_force) = (-Vec3::Z * 3.0, Vec3::ZERO);
         for (target, share) in hips {
             let hip = last_hip + (Vec3::from_array(target) - last_hip) * share * share;
             let c = step(&s, &mut state, hip);

@@ -117,7 +117,7 @@ impl Triangle {
         // Rounding can leave a sliver with no matching region above: its nearest edge or corner then.
         let (va, vb, vc) = (va.max(0.0), vb.max(0.0), vc.max(0.0));
         let sum = va + vb + vc;
-        if !(sum > 0.0) {
+        if sum <= 0.0 || sum.is_nan() {
             let to = [self.a, self.b, self.c].map(|q| q.distance_squared(p));
             let nearest = (0..3).fold(0, |m, i| if to[i] < to[m] { i } else { m });
             return self.corner(nearest as u8);

@@ -14,7 +14,7 @@ impl Partition for Brute {
     }
 
     fn nearest(&self, surface: &Surface, p: Vec3, max_mm: f64) -> Option<Nearest> {
-        if !p.is_finite() || !(max_mm >= 0.0) {
+        if !p.is_finite() || max_mm < 0.0 || max_mm.is_nan() {
             return None;
         }
         let mut best: Option<Nearest> = None;

@@ -29,7 +29,7 @@ impl Pending {
         let base = self.len;
         for i in 0..4 {
             let entry = (bounds[i], children[i]);
-            if !(entry.0 <= limit) || entry.1 == NO_CHILD || self.len == STACK {
+            if entry.0 > limit || entry.1 == NO_CHILD || self.len == STACK {
                 continue;
             }
             let mut at = self.len;
@@ -44,7 +44,7 @@ impl Pending {
 }
 
 pub(super) fn nearest(bvh: &Bvh, surface: &Surface, p: Vec3, max_mm: f64) -> Option<Nearest> {
-    if !p.is_finite() || !(max_mm >= 0.0) || bvh.nodes.is_empty() {
+    if !p.is_finite() || max_mm < 0.0 || max_mm.is_nan() || bvh.nodes.is_empty() {
         return None;
     }
     let q = bvh.frame.to_box(p);
@@ -95,6 +95,7 @@ pub(super) fn nearest(bvh: &Bvh, surface: &Surface, p: Vec3, max_mm: f64) -> Opt
 }
 
 /// Squared distances from a point, given as a small box, to the four children, in box units.
+#[expect(clippy::needless_range_loop, reason = "lanes of several arrays")]
 fn distances_sq(node: &Node, low: [f64; 3], high: [f64; 3]) -> [f64; 4] {
     let mut sum = [0.0; 4];
     for k in 0..3 {
@@ -250,6 +251,7 @@ pub(super) fn in_box(bvh: &Bvh, surface: &Surface, region: &Aabb, out: &mut Vec<
 }
 
 /// 0 for the children whose boxes share a point with the given one, 1 for the others.
+#[expect(clippy::needless_range_loop, reason = "lanes of several arrays")]
 fn apart(node: &Node, low: [f64; 3], high: [f64; 3]) -> [f64; 4] {
     let mut apart = [0.0; 4];
     for k in 0..3 {

@@ -12,7 +12,6 @@ pub(super) fn validate(bvh: &Bvh, surface: &Surface) -> Result<(), String> {
         return Err(format!("holds {} of {n} triangles", bvh.order.len()));
     }
     let mut node_seen = vec![false; bvh.nodes.len()];
-    let mut position_seen = vec![false; n];
     let mut triangle_seen = vec![false; n];
     let most_levels = (usize::BITS - (n.max(1) - 1).leading_zeros() + SPARE_LEVELS).div_ceil(2);
     let mut open = if n > 0 { vec![(0_u32, 1_u32)] } else { vec![] };
@@ -50,13 +49,10 @@ pub(super) fn validate(bvh: &Bvh, surface: &Surface) -> Result<(), String> {
                     open.push((child, depth + 1));
                 }
                 Child::Leaf(start, count) => {
-                    for position in start..start + count {
-                        let Some(&triangle) = bvh.order.get(position) else {
-                            return Err(format!("a leaf of node {at} ends past the last triangle"));
-                        };
-                        if std::mem::replace(&mut position_seen[position], true) {
-                            return Err(format!("two leaves hold position {position}"));
-                        }
+                    let Some(held) = bvh.order.get(start..start + count) else {
+                        return Err(format!("a leaf of node {at} ends past the last triangle"));
+                    };
+                    for &triangle in held {
                         let seen = triangle_seen
                             .get_mut(triangle as usize)
                             .ok_or_else(|| format!("triangle {triangle} does not exist"))?;

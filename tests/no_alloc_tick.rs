@@ -1,0 +1,140 @@
+//! The tick allocates nothing: two fingers with friction on a curved surface, every record pushed to the recorder's ring.
+//!
+//! The allocator of this program counts what is asked of it on the thread that has armed it. Counting rather than
+//! aborting lets the message say how often.
+
+// A global allocator can only be written with `unsafe`; it hands everything on to the system's.
+#![allow(unsafe_code)]
+
+use dorsum::contact::{Friction, Stiffness, Touch, TouchScene};
+use dorsum::device::Reading;
+use dorsum::geom::Vec3;
+use dorsum::partition::bvh::Bvh;
+use dorsum::servo::{FingerRecord, Rig, TickInput, tick};
+use dorsum::surface::Surface;
+use dorsum::surface::primitives::{bench_patch, bench_path};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::sync::Arc;
+
+thread_local! {
+    static ARMED: Cell<bool> = const { Cell::new(false) };
+    static ASKED: Cell<u64> = const { Cell::new(0) };
+}
+
+struct Counting;
+
+fn count() {
+    if ARMED.get() {
+        ASKED.set(ASKED.get() + 1);
+    }
+}
+
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        count();
+        unsafe { System.alloc_zeroed(layout) }
+    }
+
+    unsafe fn realloc(&self, ptr: *mut u8, layout: Layout, new_size: usize) -> *mut u8 {
+        count();
+        unsafe { System.realloc(ptr, layout, new_size) }
+    }
+
+    unsafe fn dealloc(&self, ptr: *mut u8, layout: Layout) {
+        count();
+        unsafe { System.dealloc(ptr, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Allocations and releases during `work`.
+fn asked_during(work: impl FnOnce()) -> u64 {
+    ASKED.set(0);
+    ARMED.set(true);
+    work();
+    ARMED.set(false);
+    ASKED.get()
+}
+
+#[test]
+fn the_alarm_rings() {
+    assert!(asked_during(|| drop(std::hint::black_box(vec![1_u8; 64]))) >= 2);
+    assert_eq!(asked_during(|| ()), 0);
+}
+
+#[test]
+fn thousands_of_ticks_allocate_nothing() {
+    let (surface, _) = Surface::new(bench_patch(20_389)).unwrap();
+    let search = Arc::new(Bvh::new(&surface));
+    let stiffness = surface
+        .positions()
+        .iter()
+        .map(|p| 0.5 + 0.001 * p.x)
+        .collect();
+    let scene = TouchScene {
+        surface: Arc::new(surface),
+        search,
+        stiffness: Stiffness::PerVertex(stiffness),
+        friction: Some(Friction {
+            static_coefficient: 0.46,
+            dynamic_coefficient: 0.44,
+            skin_looseness: 1.0,
+        }),
+    };
+    let mut rig = Rig::new(Box::new(scene), Default::default());
+    let (mut records, mut drained) = rtrb::RingBuffer::<FingerRecord>::new(1024);
+    let mut seen = [0_u32; 4];
+    let mut read = 0;
+    let asked = asked_during(|| {
+        for k in 0..8000 {
+            let t = f64::from(k) / 1000.0;
+            // In and out of contact; the second finger faster, and with readings that are no use now and then.
+            let depth = 6.0 * libm::sin(5.0 * t) - 2.0;
+            let mut input = TickInput {
+                n_fingers: 2,
+                force_enabled: true,
+                late: k % 997 == 0,
+                ..TickInput::default()
+            };
+            let usable = k % 501 != 0;
+            input.readings[0] = Reading {
+                position_mm: bench_path(t, depth),
+                connected: true,
+                ..Reading::default()
+            };
+            input.readings[1] = Reading {
+                position_mm: if usable {
+                    bench_path(7.0 * t + 3.0, -4.0)
+                } else {
+                    Vec3::NAN
+                },
+                connected: k % 1303 != 0,
+                ..Reading::default()
+            };
+            let record = tick(&mut rig, &input, 1e-3);
+            for finger in record.fingers() {
+                seen[finger.contact.touch as usize] += 1;
+                assert!(records.push(*finger).is_ok());
+            }
+            while drained.pop().is_ok() {
+                read += 1;
+            }
+        }
+    });
+    assert_eq!(asked, 0, "allocations and releases in 8000 ticks");
+    assert_eq!(read, 16_000);
+    let [free, _, stick, slip] = seen;
+    assert!(
+        free > 500 && stick > 50 && slip > 2000,
+        "{seen:?}: every state was visited"
+    );
+    assert_eq!(seen[Touch::Frictionless as usize], 0);
+}
