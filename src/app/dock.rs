@@ -317,12 +317,12 @@ impl egui_tiles::Behavior<String> for Behavior<'_> {
 
     fn resize_stroke(&self, style: &egui::Style, state: egui_tiles::ResizeState) -> egui::Stroke {
         let theme = super::theme::Theme::of(style.visuals.dark_mode);
-        match state {
-            egui_tiles::ResizeState::Idle => {
-                egui::Stroke::new(self.gap_width(style), theme.background)
-            }
-            _ => egui::Stroke::new(self.gap_width(style), theme.accent),
-        }
+        let colour = match state {
+            egui_tiles::ResizeState::Idle => theme.background,
+            egui_tiles::ResizeState::Hovering => theme.line,
+            egui_tiles::ResizeState::Dragging => theme.accent,
+        };
+        egui::Stroke::new(self.gap_width(style), colour)
     }
 
     fn tab_outline_stroke(
@@ -390,8 +390,14 @@ mod tests {
         let layout = Layout::first(&panels);
         assert!(layout.fits(&panels));
         assert!(panels.iter().all(|p| !layout.is_closed(p.key)));
-        let main = panels.iter().filter(|p| p.home == Home::Main).count();
-        assert_eq!(main, 1, "one panel takes the left two thirds");
+        let main: Vec<_> = panels.iter().filter(|p| p.home == Home::Main).collect();
+        assert_eq!(main.len(), 1, "one panel takes the left two thirds");
+        assert_eq!(main[0].key, crate::app::panels::BACK_VIEW_KEY);
+        assert!(
+            panels
+                .iter()
+                .any(|p| p.key == crate::app::panels::PLOTS_KEY)
+        );
     }
 
     #[test]

@@ -4,10 +4,11 @@ use super::history::History;
 use super::messages::Message;
 use super::theme::Theme;
 use crate::device::mouse::MouseHandle;
-use crate::scenario::Scene;
+use crate::scenario::{Item, Scene, Use};
 use crate::servo::{FingerRecord, Snapshot};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// The state of the workbench at one frame. Cheap to clone: large parts are shared.
 #[derive(Clone)]
@@ -16,6 +17,10 @@ pub struct View {
     pub scene: Option<Arc<Scene>>,
     /// Counts scenes opened; changes whenever `scene` does.
     pub scene_generation: u64,
+    /// What the scene is used for at the moment: it decides what must exist beside it.
+    pub purpose: Use,
+    /// What panels built for it.
+    pub parts: Parts,
     /// The scene being built.
     pub build: Option<BuildStatus>,
     /// The fingers shown now: the newest tick, or the replayed instant.
@@ -50,6 +55,8 @@ impl Default for View {
         Self {
             scene: None,
             scene_generation: 0,
+            purpose: Use::default(),
+            parts: Parts::default(),
             build: None,
             fingers: Vec::new(),
             live: Snapshot::default(),
@@ -64,6 +71,40 @@ impl Default for View {
             frame: FrameTiming::default(),
             theme: super::theme::DARK,
         }
+    }
+}
+
+/// What a part that a panel built holds and costs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PartCost {
+    /// Bytes held.
+    pub bytes: usize,
+    /// Measured cost, µs, and what it is paid per: "frame" or "build".
+    pub cost_us: Option<(f64, &'static str)>,
+}
+
+/// What panels built for the scene, for the ledger. Panels write, the Scene panel reads.
+#[derive(Clone, Debug, Default)]
+pub struct Parts(Arc<Mutex<BTreeMap<Item, PartCost>>>);
+
+impl Parts {
+    /// Notes what `item` holds and costs now.
+    pub fn report(&self, item: Item, cost: PartCost) {
+        self.lock().insert(item, cost);
+    }
+
+    /// Notes that `item` is gone.
+    pub fn remove(&self, item: Item) {
+        self.lock().remove(&item);
+    }
+
+    /// What was reported.
+    pub fn list(&self) -> Vec<(Item, PartCost)> {
+        self.lock().iter().map(|(i, c)| (*i, *c)).collect()
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, BTreeMap<Item, PartCost>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -11,7 +11,8 @@ use crate::servo::{
     ServoConfig, Snapshot,
 };
 use crate::session::recorder::{RecorderHandle, RecorderThread, Tap};
-use std::sync::{Arc, Mutex, TryLockError};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 
 /// Fingers of the bench: left and right.
 pub const FINGERS: usize = 2;
@@ -28,6 +29,7 @@ pub struct Live {
     commands: rtrb::Producer<servo::Command>,
     recorder: Arc<RecorderHandle>,
     history: Arc<Mutex<History>>,
+    plotted: Arc<AtomicBool>,
     hands: Vec<MouseHandle>,
     names: Vec<String>,
     limits: Limits,
@@ -52,10 +54,14 @@ fn rest_mm(scene: &Scene, finger: usize) -> Vec3 {
 /// Most records that wait for a plot that is being drawn: half a minute of two fingers.
 const WAITING: usize = 1 << 16;
 
-/// Feeds every tick into `history`; waits for nobody: while a plot reads, ticks queue up here.
-fn tap_into(history: Arc<Mutex<History>>) -> Tap {
+/// Feeds every tick into `history` while someone plots; waits for nobody: while a plot reads, ticks queue up here.
+fn tap_into(history: Arc<Mutex<History>>, plotted: Arc<AtomicBool>) -> Tap {
     let mut waiting: Vec<FingerRecord> = Vec::new();
     Box::new(move |records| {
+        if !plotted.load(Ordering::Relaxed) {
+            waiting = Vec::new();
+            return;
+        }
         let mut history = match history.try_lock() {
             Ok(history) => history,
             Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
@@ -103,7 +109,9 @@ impl Live {
             commands,
         } = lines;
         let history = Arc::new(Mutex::new(History::new(1.0 / config.dt_s())));
-        let recorder = RecorderThread::spawn(records, Some(tap_into(history.clone())))?;
+        let plotted = Arc::new(AtomicBool::new(true));
+        let tap = tap_into(history.clone(), plotted.clone());
+        let recorder = RecorderThread::spawn(records, Some(tap))?;
         Ok(Self {
             servo,
             newest,
@@ -111,6 +119,7 @@ impl Live {
             commands,
             recorder: Arc::new(recorder),
             history,
+            plotted,
             hands,
             names,
             limits,
@@ -182,6 +191,16 @@ impl Live {
     /// Everything felt.
     pub fn history(&self) -> &Arc<Mutex<History>> {
         &self.history
+    }
+
+    /// Whether anyone plots: without, no history is kept.
+    pub fn set_plotted(&self, on: bool) {
+        if self.plotted.swap(on, Ordering::Relaxed) && !on {
+            self.history
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .clear();
+        }
     }
 
     /// What moves the fingers.

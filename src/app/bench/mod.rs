@@ -425,6 +425,13 @@ impl Bench {
         }
     }
 
+    /// Whether anyone plots: without, no history is kept.
+    pub fn set_plotted(&mut self, on: bool) {
+        if let Some(live) = &self.live {
+            live.set_plotted(on);
+        }
+    }
+
     /// Lets the fingers press by themselves, for pictures.
     pub fn press(&mut self) {
         self.demo = Some(Demo::default());

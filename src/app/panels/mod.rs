@@ -7,6 +7,7 @@ mod recorder;
 mod scene;
 mod timing;
 
+pub use plots::KEY as PLOTS_KEY;
 pub use timing::health as timing_health;
 
 use super::command::CommandSender;
@@ -38,6 +39,9 @@ pub struct PanelContext<'a> {
     /// Where its wishes go.
     pub send: &'a CommandSender,
 }
+
+/// Key of the panel that draws the back.
+pub const BACK_VIEW_KEY: &str = "back_view";
 
 /// Every panel, in the order of the menu.
 pub fn all() -> Vec<Box<dyn Panel>> {

@@ -2,10 +2,13 @@
 
 use super::{Panel, PanelContext};
 use crate::app::command::{Action, Command};
+use crate::app::history::History;
+use crate::app::state::View;
 use crate::app::widgets::{action_button, bytes, empty_ui};
-use crate::scenario::{self, LedgerRow, Scene};
+use crate::scenario::{self, Item, Ledger, LedgerRow, Scene};
 use egui_material_icons::icons as icon;
 use std::path::PathBuf;
+use std::sync::PoisonError;
 
 /// The Scene panel.
 #[derive(Debug, Default)]
@@ -49,7 +52,7 @@ impl Panel for ScenePanel {
             Some(scene) => {
                 egui::ScrollArea::vertical()
                     .auto_shrink(false)
-                    .show(ui, |ui| scene_ui(ui, scene));
+                    .show(ui, |ui| scene_ui(ui, scene, cx.view));
             }
             None => empty_ui(
                 ui,
@@ -116,7 +119,7 @@ fn example_name(file: &str) -> String {
         .unwrap_or_default()
 }
 
-fn scene_ui(ui: &mut egui::Ui, scene: &Scene) {
+fn scene_ui(ui: &mut egui::Ui, scene: &Scene, view: &View) {
     ui.label(egui::RichText::new(&scene.scenario.name).strong());
     if !scene.scenario.description.is_empty() {
         ui.add(egui::Label::new(&scene.scenario.description).wrap());
@@ -135,93 +138,144 @@ fn scene_ui(ui: &mut egui::Ui, scene: &Scene) {
         .weak(),
     );
     ui.add_space(6.0);
-    ledger_ui(ui, &scene.ledger.rows);
+    ledger_ui(ui, &ledger_now(scene, view), view);
 }
 
-fn ledger_ui(ui: &mut egui::Ui, rows: &[LedgerRow]) {
-    let number_width = 84.0;
-    let text_width = (ui.available_width() - 2.0 * number_width - 24.0).max(120.0);
-    let header = |ui: &mut egui::Ui, text: &str, tooltip: &str| {
-        ui.label(egui::RichText::new(text).weak())
-            .on_hover_text(tooltip);
-    };
+/// The ledger as things stand: who needs what depends on the panels that are open and on the recorder.
+fn ledger_now(scene: &Scene, view: &View) -> Ledger {
+    let mut now = Ledger::of(&scene.scenario, view.purpose);
+    for (row, built) in now.rows.iter_mut().zip(&scene.ledger.rows) {
+        if built.built {
+            row.clone_from(built);
+        }
+    }
+    let needed = scenario::Needs::of(&scene.scenario, view.purpose);
+    for (item, cost) in view.parts.list() {
+        if needed.has(item) {
+            now.built(item, cost.bytes);
+            if let Some((us, per)) = cost.cost_us {
+                now.cost(item, us, per);
+            }
+        }
+    }
+    if view.purpose.plotted {
+        let history = view.history.lock().unwrap_or_else(PoisonError::into_inner);
+        now.built(Item::PlotHistory, History::bytes(&history));
+    }
+    if view.purpose.recorded {
+        now.built(Item::Recorder, 0);
+    }
+    now
+}
+
+const NUMBER_WIDTH: f32 = 92.0;
+
+fn ledger_ui(ui: &mut egui::Ui, ledger: &Ledger, view: &View) {
+    let text_width = (ui.available_width() - 2.0 * NUMBER_WIDTH - 24.0).max(100.0);
+    let weak = |text: &str| egui::RichText::new(text).weak();
     egui::Grid::new("ledger")
         .num_columns(3)
         .striped(true)
-        .spacing([8.0, 4.0])
+        .spacing([8.0, 5.0])
         .show(ui, |ui| {
-            header(ui, "Part", "Needed by whom, or why it was left out");
-            right(ui, number_width, |ui| {
-                header(ui, "Memory", "What it holds");
+            ui.vertical(|ui| {
+                ui.set_width(text_width);
+                ui.label(weak("Part"))
+                    .on_hover_text("Needed by whom, or why it is left out");
             });
-            right(ui, number_width, |ui| {
-                header(ui, "Cost (µs)", "Time it takes, and how often");
+            right(ui, |ui| {
+                ui.label(weak("Memory")).on_hover_text("What it holds");
+            });
+            right(ui, |ui| {
+                ui.label(weak("Cost"))
+                    .on_hover_text("Measured time, and how often it is paid");
             });
             ui.end_row();
-            for row in rows {
-                ui.vertical(|ui| {
-                    ui.set_width(text_width);
-                    let name = egui::RichText::new(row.item);
-                    ui.label(if row.built { name } else { name.weak() });
-                    ui.add(
-                        egui::Label::new(egui::RichText::new(&row.reason).small().weak()).wrap(),
-                    );
-                });
-                let memory = if row.built && row.bytes > 0 {
-                    bytes(row.bytes as u64)
-                } else {
-                    "–".into()
-                };
-                right(ui, number_width, |ui| {
-                    ui.monospace(memory);
-                });
-                right(ui, number_width, |ui| {
-                    ui.vertical(|ui| {
-                        ui.with_layout(egui::Layout::top_down(egui::Align::Max), |ui| {
-                            match row.cost_us {
-                                Some(cost) => {
-                                    ui.monospace(micros(cost));
-                                    ui.label(
-                                        egui::RichText::new(format!("per {}", row.cost_per))
-                                            .small()
-                                            .weak(),
-                                    );
-                                }
-                                None => {
-                                    ui.monospace("–");
-                                }
-                            }
-                        });
-                    });
-                });
+            let needs = view
+                .scene
+                .as_ref()
+                .map(|scene| scenario::Needs::of(&scene.scenario, view.purpose));
+            for (item, row) in Item::ALL.into_iter().zip(&ledger.rows) {
+                let needed = needs.as_ref().is_some_and(|n| n.has(item));
+                row_ui(ui, row, needed, text_width);
                 ui.end_row();
             }
+            ui.label(weak("Together"));
+            right(ui, |ui| {
+                ui.monospace(bytes(ledger.total_bytes() as u64));
+            });
+            right(ui, |ui| {
+                let mean_us = view.live.timing.mean_tick_us();
+                if mean_us > 0.0 {
+                    ui.monospace(time(mean_us))
+                        .on_hover_text("Mean of one tick of all fingers");
+                    ui.label(egui::RichText::new("per tick").size(11.0).weak());
+                }
+            });
+            ui.end_row();
         });
-    let total: usize = rows.iter().filter(|r| r.built).map(|r| r.bytes).sum();
-    ui.add_space(4.0);
-    ui.label(egui::RichText::new(format!("Together {}", bytes(total as u64))).weak());
 }
 
-fn right(ui: &mut egui::Ui, width: f32, add: impl FnOnce(&mut egui::Ui)) {
-    ui.allocate_ui_with_layout(
-        egui::vec2(width, ui.spacing().interact_size.y),
-        egui::Layout::right_to_left(egui::Align::Min),
-        add,
-    );
+fn row_ui(ui: &mut egui::Ui, row: &LedgerRow, needed: bool, text_width: f32) {
+    let small = |text: String| egui::RichText::new(text).size(11.0).weak();
+    ui.vertical(|ui| {
+        ui.set_width(text_width);
+        ui.spacing_mut().item_spacing.y = 1.0;
+        let name = egui::RichText::new(row.item);
+        ui.label(if needed { name } else { name.weak() });
+        let reason = if needed {
+            format!("needed by {}", row.reason)
+        } else {
+            format!("left out: {}", row.reason)
+        };
+        ui.add(egui::Label::new(small(reason)).wrap());
+    });
+    right(ui, |ui| {
+        let held = row.built && row.bytes > 0;
+        ui.monospace(if held {
+            bytes(row.bytes as u64)
+        } else {
+            "–".into()
+        });
+    });
+    right(ui, |ui| match row.cost_us {
+        Some(cost_us) => {
+            ui.monospace(time(cost_us));
+            ui.label(small(format!("per {}", row.cost_per)));
+        }
+        None => {
+            ui.monospace("–");
+        }
+    });
 }
 
-/// Microseconds with three figures.
-fn micros(us: f64) -> String {
+/// A cell of numbers, flush right, top aligned.
+fn right(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
+    ui.vertical(|ui| {
+        ui.set_width(NUMBER_WIDTH);
+        ui.spacing_mut().item_spacing.y = 1.0;
+        ui.with_layout(egui::Layout::top_down(egui::Align::Max), add);
+    });
+}
+
+/// A time with three figures and its unit.
+fn time(us: f64) -> String {
     if us < 10.0 {
-        format!("{us:.2}")
+        format!("{us:.2} µs")
     } else if us < 100.0 {
-        format!("{us:.1}")
+        format!("{us:.1} µs")
+    } else if us < 1e3 {
+        format!("{us:.0} µs")
+    } else if us < 1e4 {
+        format!("{:.2} ms", us / 1e3)
+    } else if us < 1e5 {
+        format!("{:.1} ms", us / 1e3)
     } else {
-        grouped(us.round() as usize)
+        format!("{:.0} ms", us / 1e3)
     }
 }
 
-/// A count with thin gaps between thousands.
+/// A count with commas between thousands.
 fn grouped(n: usize) -> String {
     let digits = n.to_string();
     let mut out = String::new();
@@ -242,8 +296,9 @@ mod tests {
     fn numbers_read_well() {
         assert_eq!(grouped(2_000_000), "2,000,000");
         assert_eq!(grouped(962), "962");
-        assert_eq!(micros(0.523), "0.52");
-        assert_eq!(micros(12345.6), "12,346");
+        assert_eq!(time(0.523), "0.52 µs");
+        assert_eq!(time(12345.6), "12.3 ms");
+        assert_eq!(time(345_678.0), "346 ms");
         assert_eq!(
             example_name("t5_right-hypertonic.toml"),
             "T5 right hypertonic"

@@ -49,7 +49,7 @@ impl Panel for Timing {
                 });
                 numbers_ui(ui, cx);
                 ui.add_space(6.0);
-                let height = ((ui.available_height() - 60.0) / 2.0).clamp(90.0, 220.0);
+                let height = ((ui.available_height() - 64.0) / 2.0).clamp(80.0, 220.0);
                 histogram_ui(
                     ui,
                     "Time between ticks (µs)",
@@ -183,13 +183,35 @@ fn histogram_ui(
         .show_crosshair(false)
         .set_margin_fraction(egui::Vec2::ZERO)
         .y_axis_formatter(|mark, _| power_of_ten(mark.value))
-        .y_grid_spacer(egui_plot::uniform_grid_spacer(|_| [100.0, 10.0, 1.0]))
-        .y_axis_min_width(40.0)
+        .x_grid_spacer(move |_| marks(end_us, end_us / 5.0))
+        .x_axis_formatter(move |mark, _| {
+            // The last would be cut off.
+            if mark.value < 0.97 * end_us {
+                format!("{:.0}", mark.value)
+            } else {
+                String::new()
+            }
+        })
+        .y_grid_spacer(move |_| marks(top, (top / 3.0).ceil()))
+        .y_axis_min_width(44.0)
+        .grid_color(theme.line)
         .show(ui, |plot| {
             plot.set_plot_bounds_x(0.0..=end_us);
-            plot.set_plot_bounds_y(0.0..=top);
+            plot.set_plot_bounds_y(0.0..=1.08 * top);
             plot.bar_chart(chart);
         });
+}
+
+/// Marks from zero to `top`, `step` apart.
+fn marks(top: f64, step: f64) -> Vec<egui_plot::GridMark> {
+    (0..16)
+        .map(|i| f64::from(i) * step)
+        .take_while(|value| *value <= top)
+        .map(|value| egui_plot::GridMark {
+            value,
+            step_size: top,
+        })
+        .collect()
 }
 
 /// The count at a mark of a logarithmic axis.

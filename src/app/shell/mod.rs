@@ -13,8 +13,9 @@ use super::command::{self, Command, CommandSender};
 use super::dock::{self, Layout, Panels};
 use super::messages::Level;
 use super::panels::{self, PanelContext};
-use super::state::{FrameTiming, View};
+use super::state::{FrameTiming, Parts, View};
 use super::theme::Theme;
+use crate::scenario::Use;
 use frames::FrameMeter;
 use palette::Palette;
 use std::path::PathBuf;
@@ -34,6 +35,10 @@ struct Chrome {
     theme: Theme,
     gl: Option<Arc<eframe::glow::Context>>,
     frame: FrameTiming,
+    parts: Parts,
+    /// Whether a Back view and plots are open, be it behind another tab.
+    drawn: bool,
+    plotted: bool,
     /// Windows beside the main one, to be woken with it.
     windows: Vec<egui::ViewportId>,
 }
@@ -56,6 +61,14 @@ impl Shared {
         view.theme = chrome.theme;
         view.gl.clone_from(&chrome.gl);
         view.frame = chrome.frame;
+        view.parts = chrome.parts.clone();
+        view.purpose = Use {
+            fingers: view.hands.len(),
+            drawn: chrome.drawn,
+            deformed: chrome.drawn,
+            recorded: view.recorder.recording.is_some(),
+            plotted: chrome.plotted,
+        };
         view
     }
 
@@ -145,6 +158,9 @@ impl Workbench {
                 theme,
                 gl: cc.gl.clone(),
                 frame: FrameTiming::default(),
+                parts: Parts::default(),
+                drawn: true,
+                plotted: true,
                 windows: Vec::new(),
             }),
         });
@@ -225,7 +241,12 @@ impl eframe::App for Workbench {
         let mut chrome = self.shared.chrome();
         chrome.frame = timing;
         chrome.theme = Theme::of(self.dark);
+        chrome.drawn = !self.layout.is_closed(panels::BACK_VIEW_KEY);
+        chrome.plotted = !self.layout.is_closed(panels::PLOTS_KEY);
+        let plotted = chrome.plotted;
         chrome.windows = self.layout.popped().map(windows::viewport_id).collect();
+        drop(chrome);
+        self.shared.bench().set_plotted(plotted);
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {

@@ -13,6 +13,9 @@ use egui_plot::{Line, LineStyle, Plot, PlotPoint, VLine};
 use range::{Range, Top, WINDOWS_S, window_name};
 use std::sync::{Arc, Mutex, PoisonError};
 
+/// The panel's key.
+pub const KEY: &str = "plots";
+
 /// Letter of each finger: left, right, second left, second right.
 pub const FINGER_NAMES: [&str; crate::device::MAX_FINGERS] = ["L", "R", "L2", "R2"];
 
@@ -29,7 +32,7 @@ pub struct Plots {
 
 impl Panel for Plots {
     fn key(&self) -> &'static str {
-        "plots"
+        KEY
     }
 
     fn title(&self) -> &'static str {
@@ -144,9 +147,10 @@ impl Plots {
                 .label_formatter(|_| None)
                 .set_margin_fraction(egui::Vec2::ZERO)
                 .y_axis_min_width(34.0)
+                .x_grid_spacer(move |_| range::time_marks(from_s, to_s))
                 .y_grid_spacer(move |_| range::marks(top))
                 .y_axis_formatter(|mark, _| value_mark(mark))
-                .x_axis_formatter(|mark, range| time_mark(mark.value, range.end() - range.start()))
+                .x_axis_formatter(|mark, range| time_mark(mark.value, *range.start(), *range.end()))
                 .grid_color(theme.line);
             let response = plot.show(ui, |plot| {
                 plot.set_plot_bounds_x(from_s..=to_s);
@@ -250,9 +254,10 @@ fn thousandths(time_s: f64) -> String {
     format!(".{:03}", (time_s.max(0.0).fract() * 1000.0) as u32)
 }
 
-/// A time mark as short as the span on show allows.
-fn time_mark(time_s: f64, span_s: f64) -> String {
-    if time_s < 0.0 {
+/// A time mark as short as the span on show allows; none so near the ends that it would be cut off.
+fn time_mark(time_s: f64, from_s: f64, to_s: f64) -> String {
+    let span_s = to_s - from_s;
+    if time_s < 0.0 || time_s > to_s - 0.03 * span_s {
         String::new()
     } else if span_s < 1.0 {
         format!("{time_s:.2} s")
@@ -281,10 +286,10 @@ mod tests {
 
     #[test]
     fn time_marks_fit_their_span() {
-        assert_eq!(time_mark(1.25, 0.5), "1.25 s");
-        assert_eq!(time_mark(1.25, 5.0), "1.2 s");
-        assert_eq!(time_mark(75.0, 60.0), "01:15");
-        assert_eq!(time_mark(-1.0, 60.0), "");
+        assert_eq!(time_mark(1.25, 1.0, 1.5), "1.25 s");
+        assert_eq!(time_mark(1.25, 0.0, 5.0), "1.2 s");
+        assert_eq!(time_mark(75.0, 60.0, 120.0), "01:15");
+        assert_eq!(time_mark(-1.0, -5.0, 55.0), "");
         assert_eq!(thousandths(3.0625), ".062");
     }
 }

@@ -50,7 +50,8 @@ impl Range {
             Some(s) => (s + 0.3 * self.width_s)
                 .min(end_s)
                 .max(start_s + self.width_s),
-            None => end_s,
+            // A young history grows from the left before it scrolls.
+            None => end_s.max(start_s + self.width_s),
         };
     }
 
@@ -146,6 +147,28 @@ fn round_up(x: f64) -> f64 {
     step
 }
 
+/// Marks of a time axis from `from_s` to `to_s`: about five, at round times.
+pub fn time_marks(from_s: f64, to_s: f64) -> Vec<egui_plot::GridMark> {
+    const STEPS_S: [f64; 19] = [
+        0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 60.0, 120.0, 300.0,
+        600.0, 1800.0, 3600.0, 21600.0,
+    ];
+    let wanted_s = (to_s - from_s) / 6.0;
+    let step_s = STEPS_S
+        .into_iter()
+        .find(|s| *s >= wanted_s)
+        .unwrap_or(STEPS_S[STEPS_S.len() - 1]);
+    let first = (from_s / step_s).ceil().max(0.0);
+    (0..32)
+        .map(|i| (first + f64::from(i)) * step_s)
+        .take_while(|s| *s <= to_s)
+        .map(|value| egui_plot::GridMark {
+            value,
+            step_size: to_s - from_s,
+        })
+        .collect()
+}
+
 /// Marks of a value axis from zero to `top`: zero, the middle and the top.
 pub fn marks(top: f64) -> Vec<egui_plot::GridMark> {
     [0.0, 0.5, 1.0]
@@ -196,6 +219,17 @@ mod tests {
         assert_eq!(range.bounds_s(), (23.0, 33.0));
         range.update((0.0, 60.0), Some(60.0));
         assert_eq!(range.bounds_s(), (50.0, 60.0));
+    }
+
+    #[test]
+    fn time_marks_are_few_and_round() {
+        let values =
+            |from, to| -> Vec<f64> { time_marks(from, to).iter().map(|m| m.value).collect() };
+        assert_eq!(values(0.0, 10.0), [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
+        assert_eq!(values(-5.0, 5.0), [0.0, 2.0, 4.0]);
+        assert_eq!(values(61.5, 121.5), [70.0, 80.0, 90.0, 100.0, 110.0, 120.0]);
+        assert!(values(0.0, 1e9).len() <= 32);
+        assert!(values(f64::NAN, f64::NAN).is_empty());
     }
 
     #[test]
