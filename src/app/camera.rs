@@ -44,7 +44,7 @@ pub enum Preset {
     Right,
     /// From above the head.
     Head,
-    /// Near the finger, keeping the direction.
+    /// Near the finger, aslant.
     Close,
 }
 
@@ -331,13 +331,14 @@ impl Camera {
         self
     }
 
-    /// This camera as `preset` wants it. `finger_mm` is what [`Preset::Close`] looks at; without one it keeps the target.
+    /// This camera as `preset` wants it. `finger` (place in mm, outward normal) is what [`Preset::Close`] looks at, along
+    /// the skin rather than at it; without one only the distance changes.
     #[must_use]
     pub fn preset(
         mut self,
         preset: Preset,
         bounds: &Aabb,
-        finger_mm: Option<Vec3>,
+        finger: Option<(Vec3, Vec3)>,
         size_px: Vec2,
     ) -> Self {
         let (azimuth, elevation) = match preset {
@@ -347,8 +348,13 @@ impl Camera {
             Preset::Right => (FRAC_PI_2, 0.0),
             Preset::Head => (0.0, MAX_ELEVATION),
             Preset::Close => {
-                self.target_mm = finger_mm.unwrap_or(self.target_mm);
-                self.distance_mm = 230.0;
+                if let Some((place_mm, normal)) = finger {
+                    self.target_mm = place_mm;
+                    self.azimuth = wrapped(normal.x.atan2(normal.z) - 0.55);
+                    self.elevation = (normal.y.clamp(-1.0, 1.0).asin() + 0.45)
+                        .clamp(-MAX_ELEVATION, MAX_ELEVATION);
+                }
+                self.distance_mm = 260.0;
                 return self;
             }
         };
@@ -536,7 +542,8 @@ mod tests {
         assert!(screen_offset(&at(Preset::Head), Vec3::Z).y > 1.0);
         assert!(screen_offset(&at(Preset::Head), Vec3::X).x > 1.0);
         let finger = Vec3::new(30.0, 200.0, 90.0);
-        let close = Camera::default().preset(Preset::Close, &back_box(), Some(finger), SIZE);
+        let close =
+            Camera::default().preset(Preset::Close, &back_box(), Some((finger, Vec3::Z)), SIZE);
         assert_eq!(close.target_mm, finger);
         assert!(close.distance_mm < 300.0);
     }

@@ -1,0 +1,272 @@
+//! The Back view: the skin as it deforms, the fingers on it, and the mouse as a finger.
+//!
+//! | file | answers |
+//! |---|---|
+//! | [`palpate`] | where cursor and keys want the mouse fingers |
+//! | [`model`] | what of the fingers is shown, in mm, N and N/mm |
+//! | `gesture` | what a drag, wheel or key means |
+//! | `skin` | how the fingers deform the drawn skin |
+//! | `stage` | what the paint callback needs |
+//! | `overlay`, `toolbar` | numbers, scale, hint and buttons over the picture |
+
+mod gesture;
+pub mod model;
+mod overlay;
+pub mod palpate;
+mod skin;
+mod stage;
+mod toolbar;
+
+use super::{Panel, PanelContext};
+use crate::app::camera::{Camera, Glide, Preset};
+use crate::app::render::{Palette, Picture, arrow::Arrow, pixels, sphere::Sphere};
+use crate::app::widgets::empty_ui;
+use crate::geom::{Vec2, Vec3};
+use egui_material_icons::icons as icon;
+use gesture::Gesture;
+use palpate::{Palpation, Targets};
+use skin::DrawnSkin;
+use stage::SharedStage;
+
+/// What is shown beside the skin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Edges of the triangles.
+    pub wireframe: bool,
+    /// Forces as arrows.
+    pub arrows: bool,
+    /// Names of landmarks.
+    pub landmarks: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            wireframe: false,
+            arrows: true,
+            landmarks: false,
+        }
+    }
+}
+
+/// The Back view.
+#[derive(Default)]
+pub struct BackView {
+    stage: SharedStage,
+    skin: Option<DrawnSkin>,
+    camera: Camera,
+    glide: Option<Glide>,
+    /// The preset on show, until the user turns, moves or zooms.
+    preset: Option<Preset>,
+    /// Size the preset was framed for, points.
+    framed_for: Vec2,
+    palpation: Palpation,
+    gesture: Option<Gesture>,
+    /// Pressed by key.
+    key_press: bool,
+    /// The picture got its focus by the pointer, so no focus ring is drawn.
+    focus_by_pointer: bool,
+    sent: Targets,
+    /// A finger has pressed: the hint has done its work.
+    pressed_once: bool,
+    options: Options,
+}
+
+impl Panel for BackView {
+    fn key(&self) -> &'static str {
+        "back_view"
+    }
+
+    fn title(&self) -> &'static str {
+        "Back view"
+    }
+
+    fn tooltip(&self) -> &'static str {
+        "The back under the fingers, drawn as it deforms; press it with the mouse"
+    }
+
+    fn home(&self) -> crate::app::dock::Home {
+        crate::app::dock::Home::Main
+    }
+
+    fn ui(&mut self, ui: &mut egui::Ui, cx: &PanelContext<'_>) {
+        let Some(scene) = &cx.view.scene else {
+            empty_ui(
+                ui,
+                icon::ICON_ACCESSIBILITY_NEW,
+                "No back yet",
+                "It appears as soon as its scene is built",
+            );
+            return;
+        };
+        if cx.view.gl.is_none() {
+            empty_ui(
+                ui,
+                icon::ICON_VISIBILITY_OFF,
+                "The back cannot be drawn here",
+                "This window has no OpenGL. Palpation, plots and recording work without it",
+            );
+            return;
+        }
+        if let Some(fault) = self.stage.lock().fault.clone() {
+            empty_ui(
+                ui,
+                icon::ICON_VISIBILITY_OFF,
+                "The back cannot be drawn here",
+                &fault,
+            );
+            return;
+        }
+        let rect = ui.available_rect_before_wrap();
+        let size = pixels::delta(rect.size());
+        if size.x < 8.0 || size.y < 8.0 {
+            return;
+        }
+        self.follow_scene(ui.ctx(), scene, cx.view.scene_generation);
+        let Some(skin) = &mut self.skin else { return };
+        skin.update(&cx.view.fingers, &self.stage);
+
+        let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
+        response.widget_info(|| {
+            egui::WidgetInfo::labeled(
+                egui::accesskit::Role::Canvas,
+                ui.is_enabled(),
+                "Picture of the back. Arrow keys move the finger, Enter presses, W and S set the depth",
+            )
+        });
+        self.take_gestures(ui, &response, cx);
+        self.move_camera(ui.ctx(), size);
+
+        let Some(skin) = &self.skin else { return };
+        let fingers = model::fingers(skin.scene(), skin.displacement(), &cx.view.fingers);
+        self.stage.lock().picture = Some(self.picture(cx, &fingers));
+        ui.painter().add(self.stage.callback(rect));
+
+        overlay::show(
+            ui,
+            rect,
+            &overlay::Shown {
+                camera: &self.camera,
+                theme: &cx.view.theme,
+                scene: skin.scene(),
+                displacement: skin.displacement(),
+                fingers: &fingers,
+                n_fingers: cx.view.fingers.len(),
+                palpation: (cx.view.playback.is_none() && !cx.view.hands.is_empty())
+                    .then_some(&self.palpation),
+                hint: !self.pressed_once,
+                focus_ring: response.has_focus() && !self.focus_by_pointer,
+                options: self.options,
+            },
+        );
+        self.toolbar(ui, rect, cx, &fingers);
+    }
+}
+
+impl BackView {
+    fn follow_scene(
+        &mut self,
+        ctx: &egui::Context,
+        scene: &std::sync::Arc<crate::scenario::Scene>,
+        generation: u64,
+    ) {
+        let mut stage = self.stage.lock();
+        stage.poll_bake();
+        if self
+            .skin
+            .as_ref()
+            .is_some_and(|s| s.is_of(scene, generation))
+        {
+            return;
+        }
+        stage.set_surface(&scene.surface, ctx);
+        self.skin = Some(DrawnSkin::new(scene.clone(), generation));
+        self.palpation = Palpation::default();
+        self.sent = Targets::default();
+        self.key_press = false;
+        self.glide = None;
+        self.preset = Some(Preset::Oblique);
+        self.framed_for = Vec2::ZERO;
+    }
+
+    /// Lets a glide go on; keeps a preset framed while the panel is resized.
+    fn move_camera(&mut self, ctx: &egui::Context, size: Vec2) {
+        if let Some(glide) = &mut self.glide {
+            let dt_s = f64::from(ctx.input(|i| i.stable_dt)).min(0.05);
+            let (camera, arrived) = glide.step(dt_s);
+            self.camera = camera;
+            if arrived {
+                self.glide = None;
+            } else {
+                ctx.request_repaint();
+            }
+        }
+        if let (Some(preset), Some(skin)) = (self.preset, &self.skin)
+            && self.framed_for != size
+            && preset != Preset::Close
+        {
+            self.camera = self
+                .camera
+                .preset(preset, &skin.scene().surface.bounds(), None, size);
+            self.glide = None;
+            self.framed_for = size;
+        }
+    }
+
+    /// Glides to a preset.
+    fn go_to(&mut self, preset: Preset, fingers: &[model::Finger], size: Vec2) {
+        let Some(skin) = &self.skin else { return };
+        let finger = fingers
+            .first()
+            .map(|f| (f.centre_mm, f.normal))
+            .or(self.palpation.place().map(|p| (p.point_mm, p.normal)));
+        let goal = self
+            .camera
+            .preset(preset, &skin.scene().surface.bounds(), finger, size);
+        self.glide = Some(Glide::new(self.camera, goal));
+        self.preset = Some(preset);
+        self.framed_for = size;
+    }
+
+    fn picture(&self, cx: &PanelContext<'_>, fingers: &[model::Finger]) -> Picture {
+        let theme = &cx.view.theme;
+        let color = |f: &model::Finger| pixels::rgb(theme.finger(f.index));
+        let bounds = self
+            .skin
+            .as_ref()
+            .map_or(crate::geom::Aabb::EMPTY, |s| s.scene().surface.bounds());
+        Picture {
+            camera: self.camera,
+            size_px: [1, 1],
+            bounds,
+            palette: Palette {
+                dark: theme.dark,
+                floor_top: pixels::rgb(theme.floor[0]),
+                floor_bottom: pixels::rgb(theme.floor[1]),
+                wire: pixels::rgb(if theme.dark {
+                    theme.background
+                } else {
+                    theme.text
+                }),
+            },
+            wireframe: self.options.wireframe,
+            spheres: fingers
+                .iter()
+                .map(|f| Sphere {
+                    centre_mm: f.centre_mm,
+                    radius_mm: model::FINGER_RADIUS_MM,
+                    color: color(f),
+                })
+                .collect(),
+            arrows: fingers
+                .iter()
+                .filter(|f| self.options.arrows && f.force_n != Vec3::ZERO)
+                .map(|f| Arrow {
+                    from_mm: f.arrow_from_mm(),
+                    along_mm: f.arrow_mm(),
+                    color: color(f),
+                })
+                .collect(),
+        }
+    }
+}

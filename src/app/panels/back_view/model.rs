@@ -1,0 +1,162 @@
+//! What the Back view shows of the fingers: from tick records and the deformed skin to places, lengths and numbers.
+
+use crate::contact::Touch;
+use crate::deform::{Displacement, Press};
+use crate::geom::{Vec3, unit_or};
+use crate::scenario::Scene;
+use crate::servo::{FingerRecord, LimitFlags};
+
+/// Radius of a finger's sphere, mm: a fingertip.
+pub const FINGER_RADIUS_MM: f64 = 7.5;
+/// Length of a force arrow, mm per N.
+pub const ARROW_MM_PER_N: f64 = 8.0;
+/// A finger farther than this from the skin is not shown, mm: it has been put away.
+const SHOWN_WITHIN_MM: f64 = 120.0;
+
+/// One finger as shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Finger {
+    /// Which, from 0; tells its colour.
+    pub index: usize,
+    /// Centre of its sphere, resting on the deformed skin, mm.
+    pub centre_mm: Vec3,
+    /// Outward direction at its place.
+    pub normal: Vec3,
+    /// Where the device is while it touches, mm.
+    pub hip_mm: Option<Vec3>,
+    /// Force on the finger, N; zero when free.
+    pub force_n: Vec3,
+    /// Penetration depth, mm; zero when free.
+    pub depth_mm: f64,
+    /// Stiffness felt, N/mm; `None` when free.
+    pub stiffness_n_per_mm: Option<f64>,
+    /// The device cannot render the whole force.
+    pub limited: bool,
+}
+
+impl Finger {
+    /// Where its force arrow starts, mm: outside the sphere.
+    pub fn arrow_from_mm(&self) -> Vec3 {
+        self.centre_mm + unit_or(self.force_n, self.normal) * (FINGER_RADIUS_MM * 0.98)
+    }
+
+    /// From tail to tip of its force arrow, mm.
+    pub fn arrow_mm(&self) -> Vec3 {
+        self.force_n * ARROW_MM_PER_N
+    }
+}
+
+/// The fingers near the skin of `scene`, drawn on it as deformed by `skin`.
+pub fn fingers(scene: &Scene, skin: &Displacement, records: &[FingerRecord]) -> Vec<Finger> {
+    records
+        .iter()
+        .filter_map(|record| finger(scene, skin, record))
+        .collect()
+}
+
+fn finger(scene: &Scene, skin: &Displacement, record: &FingerRecord) -> Option<Finger> {
+    let index = usize::from(record.finger);
+    let contact = &record.contact;
+    let hip = record.reading.position_mm;
+    if contact.touch != Touch::Free {
+        let tip = skin.carried_point(&scene.surface, contact.triangle, contact.anchor_mm);
+        return Some(Finger {
+            index,
+            centre_mm: tip + contact.normal * FINGER_RADIUS_MM,
+            normal: contact.normal,
+            hip_mm: Some(hip),
+            force_n: record.sent_force_n,
+            depth_mm: contact.depth_mm,
+            stiffness_n_per_mm: Some(contact.stiffness_n_per_mm),
+            limited: record.limits.has(LimitFlags::RATED),
+        })
+        .filter(|f| f.centre_mm.is_finite());
+    }
+    let near = crate::partition::Partition::nearest(
+        &*scene.touch.search,
+        &scene.surface,
+        hip,
+        SHOWN_WITHIN_MM,
+    )?;
+    let normal = scene.surface.triangle(near.triangle).normal();
+    let outward = unit_or(hip - near.point, normal);
+    // Just above the skin the direction to the closest point is noise: the normal takes over.
+    let trust = ((hip - near.point).length() / FINGER_RADIUS_MM).clamp(0.0, 1.0);
+    let normal = unit_or(normal * (1.0 - trust) + outward * trust, normal);
+    Some(Finger {
+        index,
+        centre_mm: hip + normal * FINGER_RADIUS_MM,
+        normal,
+        hip_mm: None,
+        force_n: Vec3::ZERO,
+        depth_mm: 0.0,
+        stiffness_n_per_mm: None,
+        limited: false,
+    })
+}
+
+/// The presses that deform the skin, in the order of the fingers. A record of another scene, whose triangle this one does
+/// not have, is left out.
+pub fn presses(records: &[FingerRecord], scene: &Scene) -> Vec<Press> {
+    records
+        .iter()
+        .filter_map(|r| Press::of(&r.contact))
+        .filter(|p| (p.triangle as usize) < scene.surface.triangles().len())
+        .collect()
+}
+
+/// Whether two sets of presses differ by more than can be seen: a hand at rest still trembles by nanometres.
+pub fn differ(a: &[Press], b: &[Press]) -> bool {
+    const SEEN_MM: f64 = 1e-4;
+    let same = |a: &Press, b: &Press| {
+        a.triangle == b.triangle
+            && a.anchor_mm.abs_diff_eq(b.anchor_mm, SEEN_MM)
+            && a.foot_mm.abs_diff_eq(b.foot_mm, SEEN_MM)
+            && a.normal.abs_diff_eq(b.normal, SEEN_MM)
+            && (a.depth_mm - b.depth_mm).abs() <= SEEN_MM
+    };
+    a.len() != b.len() || !a.iter().zip(b).all(|(a, b)| same(a, b))
+}
+
+/// The largest of 1, 2 and 5 times a power of ten that is at most `most`; `None` unless `most` is positive and finite.
+pub fn round_below(most: f64) -> Option<f64> {
+    if !(most > 0.0 && most.is_finite()) {
+        return None;
+    }
+    let power = 10.0_f64.powf(most.log10().floor());
+    [5.0, 2.0, 1.0]
+        .into_iter()
+        .map(|m| m * power)
+        .find(|&v| v <= most * (1.0 + 1e-9))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scale_lengths_are_round() {
+        assert_eq!(round_below(1.0), Some(1.0));
+        assert_eq!(round_below(19.0), Some(10.0));
+        assert_eq!(round_below(49.9), Some(20.0));
+        assert_eq!(round_below(780.0), Some(500.0));
+        assert_eq!(round_below(0.0), None);
+        assert_eq!(round_below(f64::NAN), None);
+    }
+
+    #[test]
+    fn trembling_is_not_a_change_but_a_tenth_of_a_millimetre_is() {
+        let press = Press {
+            depth_mm: 3.0,
+            ..Press::default()
+        };
+        let deeper = |by: f64| Press {
+            depth_mm: 3.0 + by,
+            ..press
+        };
+        assert!(!differ(&[press], &[deeper(1e-6)]));
+        assert!(differ(&[press], &[deeper(0.1)]));
+        assert!(differ(&[press], &[]));
+        assert!(differ(&[press], &[deeper(f64::NAN)]));
+    }
+}

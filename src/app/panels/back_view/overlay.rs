@@ -1,0 +1,254 @@
+//! Numbers, scale, labels and the hint over the picture.
+
+use super::Options;
+use super::model::{self, Finger};
+use super::palpate::Palpation;
+use crate::app::camera::Camera;
+use crate::app::render::pixels;
+use crate::app::theme::Theme;
+use crate::deform::Displacement;
+use crate::geom::Vec3;
+use crate::scenario::Scene;
+use egui::{Align2, Color32, FontId, RichText, Stroke, pos2, vec2};
+
+/// What the overlay shows.
+pub struct Shown<'a> {
+    pub camera: &'a Camera,
+    pub theme: &'a Theme,
+    pub scene: &'a Scene,
+    pub displacement: &'a Displacement,
+    pub fingers: &'a [Finger],
+    /// Fingers there are, also those not near the skin.
+    pub n_fingers: usize,
+    /// The mouse fingers, while the mouse can move them.
+    pub palpation: Option<&'a Palpation>,
+    pub hint: bool,
+    pub focus_ring: bool,
+    pub options: Options,
+}
+
+const HINT: &str = "Hold the left button to press · wheel or W S set the depth · \
+                    move to slide · P parks the other finger · right-drag turns the view";
+
+/// The plate that keeps text readable over the picture.
+pub fn plate(theme: &Theme) -> egui::Frame {
+    egui::Frame::new()
+        .fill(theme.panel.gamma_multiply(0.88))
+        .corner_radius(6)
+        .inner_margin(egui::Margin::symmetric(6, 3))
+}
+
+/// Draws everything over the picture in `rect`, save the toolbar.
+pub fn show(ui: &mut egui::Ui, rect: egui::Rect, shown: &Shown<'_>) {
+    let painter = ui.painter().with_clip_rect(rect);
+    for finger in shown.fingers {
+        finger_marks(&painter, rect, shown, finger);
+    }
+    scale(&painter, rect, shown);
+    numbers_ui(ui, rect, shown);
+    hint(ui, &painter, rect, shown);
+    if shown.focus_ring {
+        painter.rect_stroke(
+            rect.shrink(1.0),
+            2.0,
+            Stroke::new(1.5, shown.theme.accent),
+            egui::StrokeKind::Inside,
+        );
+    }
+}
+
+/// Where a point appears in the window.
+fn on_screen(rect: egui::Rect, camera: &Camera, point_mm: Vec3) -> Option<egui::Pos2> {
+    let p = camera.project(point_mm, pixels::delta(rect.size()))?;
+    Some(rect.min + pixels::pos(p).to_vec2())
+}
+
+/// The device's place under the skin, and the force in newtons at the arrow's tip.
+fn finger_marks(painter: &egui::Painter, rect: egui::Rect, shown: &Shown<'_>, finger: &Finger) {
+    let color = shown.theme.finger(finger.index);
+    if let Some(hip) = finger.hip_mm.and_then(|p| on_screen(rect, shown.camera, p)) {
+        painter.circle(
+            hip,
+            3.0,
+            color.gamma_multiply(0.9),
+            Stroke::new(1.2, Color32::WHITE.gamma_multiply(0.85)),
+        );
+    }
+    let newtons = finger.force_n.length();
+    if shown.options.arrows && newtons >= 0.1 {
+        let tip = finger.arrow_from_mm() + finger.arrow_mm();
+        if let Some(tip) = on_screen(rect, shown.camera, tip) {
+            let text = painter.layout_no_wrap(
+                format!("{newtons:.1} N"),
+                FontId::monospace(12.0),
+                shown.theme.text,
+            );
+            let at = egui::Rect::from_min_size(tip + vec2(10.0, -8.0), text.size());
+            painter.rect_filled(
+                at.expand2(vec2(4.0, 1.0)),
+                4.0,
+                shown.theme.panel.gamma_multiply(0.8),
+            );
+            painter.galley(at.min, text, shown.theme.text);
+        }
+    }
+}
+
+/// A bar of round length and an arrow of round force, at the depth the camera looks at.
+fn scale(painter: &egui::Painter, rect: egui::Rect, shown: &Shown<'_>) {
+    let theme = shown.theme;
+    let size = pixels::delta(rect.size());
+    let px_per_mm = shown.camera.px_per_mm(shown.camera.target_mm, size.y);
+    let most_px = (size.x * 0.2).min(130.0);
+    let left = rect.left() + 16.0;
+    let mut y = rect.bottom() - 18.0;
+    let ink = Stroke::new(1.5, theme.text.gamma_multiply(0.85));
+    let text = |y, length, words: String| {
+        painter.text(
+            pos2(left + length + 8.0, y),
+            Align2::LEFT_CENTER,
+            words,
+            FontId::proportional(12.0),
+            theme.text.gamma_multiply(0.9),
+        );
+    };
+    if let Some(mm) = model::round_below(most_px / px_per_mm.max(1e-9)) {
+        let length = pixels::points(mm * px_per_mm);
+        painter.line_segment([pos2(left, y), pos2(left + length, y)], ink);
+        for x in [left, left + length] {
+            painter.line_segment([pos2(x, y - 4.0), pos2(x, y + 4.0)], ink);
+        }
+        text(y, length, format!("{mm} mm"));
+    }
+    let newton_px = px_per_mm * model::ARROW_MM_PER_N;
+    if shown.options.arrows
+        && let Some(newtons) = model::round_below(most_px / newton_px.max(1e-9))
+    {
+        y -= 20.0;
+        let length = pixels::points(newtons * newton_px);
+        let tip = pos2(left + length, y);
+        painter.line_segment([pos2(left, y), tip - vec2(6.0, 0.0)], ink);
+        painter.add(egui::Shape::convex_polygon(
+            vec![tip, tip + vec2(-8.0, -4.0), tip + vec2(-8.0, 4.0)],
+            ink.color,
+            Stroke::NONE,
+        ));
+        text(y, length, format!("{newtons} N"));
+    }
+}
+
+/// Depth, force and stiffness of each finger, in columns that do not move.
+fn numbers_ui(ui: &mut egui::Ui, rect: egui::Rect, shown: &Shown<'_>) {
+    if shown.n_fingers == 0 {
+        return;
+    }
+    let mut place = rect.shrink(8.0);
+    if place.width() < 620.0 {
+        // Beside the toolbar there is no room: below it.
+        place.min.y += 34.0;
+    }
+    let width: f64 = COLUMNS.iter().sum();
+    place.min.x = place.max.x - pixels::points(width) - 12.0;
+    let builder = egui::UiBuilder::new()
+        .max_rect(place)
+        .layout(egui::Layout::top_down(egui::Align::Min));
+    ui.scope_builder(builder, |ui| {
+        plate(shown.theme).show(ui, |ui| {
+            ui.spacing_mut().item_spacing = vec2(0.0, 1.0);
+            ui.horizontal(|ui| {
+                for (column, head) in ["", "Depth", "Force", "Stiffness"].into_iter().enumerate() {
+                    cell(ui, column, RichText::new(head).small().weak());
+                }
+            });
+            for index in 0..shown.n_fingers {
+                ui.horizontal(|ui| row_ui(ui, shown, index));
+            }
+            if let Some(palpation) = shown.palpation {
+                let wanted = format!("Pressing asks for {:>4.1} mm", palpation.depth_mm());
+                ui.label(RichText::new(wanted).small().weak())
+                    .on_hover_text("Set it with the wheel while pressing, or with W and S");
+            }
+        });
+    });
+}
+
+/// Widths of name, depth, force and stiffness, points.
+const COLUMNS: [f64; 4] = [22.0, 68.0, 62.0, 88.0];
+
+/// One entry of the table, to the right of its column.
+fn cell(ui: &mut egui::Ui, column: usize, text: RichText) -> egui::Response {
+    let size = vec2(pixels::points(COLUMNS[column]), 16.0);
+    let layout = if column == 0 {
+        egui::Layout::left_to_right(egui::Align::Center)
+    } else {
+        egui::Layout::right_to_left(egui::Align::Center)
+    };
+    ui.allocate_ui_with_layout(size, layout, |ui| {
+        ui.set_min_size(size);
+        ui.label(text)
+    })
+    .inner
+}
+
+fn row_ui(ui: &mut egui::Ui, shown: &Shown<'_>, index: usize) {
+    let finger = shown.fingers.iter().find(|f| f.index == index);
+    let name = ["L", "R", "L2", "R2"].get(index).copied().unwrap_or("?");
+    let name = RichText::new(name).strong();
+    cell(ui, 0, name.color(shown.theme.finger(index)));
+    let touching = finger.filter(|f| f.stiffness_n_per_mm.is_some());
+    let number = |value: Option<f64>, digits: usize, unit: &str| match value {
+        Some(v) => RichText::new(format!("{v:.digits$} {unit}")).monospace(),
+        None => RichText::new(format!("– {unit}")).monospace().weak(),
+    };
+    cell(ui, 1, number(touching.map(|f| f.depth_mm), 1, "mm"));
+    let force = number(touching.map(|f| f.force_n.length()), 1, "N");
+    if touching.is_some_and(|f| f.limited) {
+        cell(ui, 2, force.color(shown.theme.warning))
+            .on_hover_text("The device's rated force is reached: the skin would push harder");
+    } else {
+        cell(ui, 2, force);
+    }
+    let stiffness = touching.and_then(|f| f.stiffness_n_per_mm);
+    cell(ui, 3, number(stiffness, 2, "N/mm"));
+}
+
+/// How to press, until one has.
+fn hint(ui: &egui::Ui, painter: &egui::Painter, rect: egui::Rect, shown: &Shown<'_>) {
+    let strength = ui.ctx().animate_bool_with_time(
+        egui::Id::unique("back view hint"),
+        shown.hint && shown.palpation.is_some(),
+        1.2,
+    );
+    if strength <= 0.0 {
+        return;
+    }
+    let theme = shown.theme;
+    let wrap = (rect.width() - 48.0).min(520.0);
+    let text = painter.layout(
+        HINT.to_owned(),
+        FontId::proportional(13.0),
+        theme.text.gamma_multiply(strength),
+        wrap,
+    );
+    let middle = pos2(rect.center().x, rect.bottom() - 34.0 - text.size().y);
+    let at = egui::Rect::from_center_size(middle, text.size());
+    painter.rect_filled(
+        at.expand2(vec2(12.0, 7.0)),
+        8.0,
+        theme.panel.gamma_multiply(0.88 * strength),
+    );
+    painter.galley(at.min, text, theme.text);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_on_screen_lies_where_the_camera_projects_it() {
+        let rect = egui::Rect::from_min_size(pos2(100.0, 50.0), vec2(400.0, 300.0));
+        let camera = Camera::default();
+        let middle = on_screen(rect, &camera, camera.target_mm).unwrap();
+        assert!((middle - rect.center()).length() < 1e-3);
+    }
+}
