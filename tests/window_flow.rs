@@ -5,7 +5,11 @@ mod support;
 
 use dorsum::app::command::{Action, Command};
 use dorsum::contact::Touch;
+use dorsum::scenario::{self, Scenario, Use};
+use dorsum::servo::Rig;
+use dorsum::session::{Session, Strictness, check};
 use egui_kittest::kittest::Queryable;
+use std::sync::Arc;
 use support::{Window, said, view, wait_for, workbench};
 
 fn click(harness: &mut Window, name: &str) {
@@ -71,6 +75,35 @@ fn a_session_is_opened_recorded_pressed_stopped_and_replayed() {
     click(&mut harness, "Back to live");
     wait_for(&mut harness, "live", |w| view(w).playback.is_none());
     harness.get_by_label("Record");
+}
+
+#[test]
+fn a_recording_ends_with_its_scene_and_replays_bit_for_bit() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = workbench(folder.path().to_owned());
+    click(&mut harness, "Record");
+    wait_for(&mut harness, "recording", |w| {
+        view(w).recorder.recording.is_some()
+    });
+    press(&mut harness);
+    let scene_before = view(harness.state()).live.scene_generation;
+    let other = "frictionless.toml";
+    harness.state_mut().shared().bench().open_example(other);
+    wait_for(&mut harness, "the other scene", |w| {
+        view(w).live.scene_generation != scene_before
+    });
+    let recorder = view(harness.state()).recorder;
+    assert!(recorder.recording.is_none());
+
+    let session = Session::open(&recorder.recent[0].path).expect("a session");
+    let header = session.header();
+    let scenario = Scenario::parse(&header.scenario_toml, "recorded", None).expect("parses");
+    let scene = scenario::build(Arc::new(scenario), Use::default(), &mut |_, _| true);
+    let touch = scene.expect("builds").touch;
+    let rig = Rig::new(Box::new(touch), header.limits());
+    let report = check(&session, rig, Strictness::Strict).expect("readable");
+    assert!(report.is_bit_exact(), "{:?}", report.first_difference);
+    assert!(report.ticks > 200 && report.gaps == 0, "{report:?}");
 }
 
 #[test]

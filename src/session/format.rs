@@ -14,6 +14,8 @@
 //! data end (CRC), summary (schemas, channels, statistics, chunk, attachment and metadata indexes), footer (CRC), magic
 //! ```
 //!
+//! A session holds one scene: whoever changes the scene finishes the file and begins another.
+//!
 //! # Channels
 //! | topic | id | schema | one message per |
 //! |---|---|---|---|

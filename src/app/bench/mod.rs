@@ -52,6 +52,8 @@ pub struct Bench {
     scene: Option<Arc<Scene>>,
     generation: u64,
     build: Option<Build>,
+    /// Built, and waiting for the recording of the scene before it to be finished.
+    ready: Option<Arc<Scene>>,
     live: Option<Live>,
     /// Shown until there is a servo.
     no_history: Arc<Mutex<History>>,
@@ -85,6 +87,7 @@ impl Bench {
             scene: None,
             generation: 0,
             build: None,
+            ready: None,
             live: None,
             no_history: Arc::default(),
             recordings: Recordings::new(folder),
@@ -166,6 +169,7 @@ impl Bench {
         let dt_s = now.duration_since(self.last_poll).as_secs_f64();
         self.last_poll = now;
         let mut changed = self.poll_build();
+        changed |= self.poll_ready();
         changed |= self.poll_opening();
         changed |= self.poll_live();
         changed |= self.poll_recorder();
@@ -197,11 +201,28 @@ impl Bench {
         let cancelled = build.is_cancelled();
         self.build = None;
         match result {
-            Ok(scene) => self.set_scene(Arc::new(scene)),
+            Ok(scene) => self.ready = Some(Arc::new(scene)),
             Err(e) if cancelled || e.0 == BuildError::CANCELLED => {
                 self.tell(Level::Info, "Building was cancelled");
             }
             Err(e) => self.tell(Level::Error, e.0),
+        }
+        true
+    }
+
+    /// A recording holds one scene, or it could not be repeated: it is finished before the next scene is felt.
+    fn poll_ready(&mut self) -> bool {
+        if self.ready.is_none() {
+            return false;
+        }
+        if self.is_recording() && !self.recordings.is_busy() {
+            self.tell(Level::Info, "The recording ends with its scene");
+            self.toggle_recording();
+        }
+        if !self.is_recording() && !self.recordings.is_busy() {
+            if let Some(scene) = self.ready.take() {
+                self.set_scene(scene);
+            }
         }
         true
     }
