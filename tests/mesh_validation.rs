@@ -306,3 +306,25 @@ fn the_built_in_back_is_written_clean() {
     let refused = dorsum(&["mesh", "make", "--out", "back.obj"]);
     assert_eq!(refused.status.code(), Some(2));
 }
+
+#[test]
+fn a_scenario_reads_its_mesh_and_tells_units_and_defects() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = folder.path().join("a.toml");
+    let text = "format = 1\nname = \"a\"\n[surface]\nmesh = \"flipped_triangle.obj\"\nunits = \"cm\"\n\
+        [stiffness]\nconstant_n_per_mm = 0.5\n";
+    std::fs::write(&scenario, text).expect("written");
+    std::fs::copy(
+        data("flipped_triangle.obj"),
+        folder.path().join("flipped_triangle.obj"),
+    )
+    .expect("copied");
+    let output = dorsum(&["scene", scenario.to_str().expect("plain"), "--json"]);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one document");
+    assert_eq!(json["units"]["unit"], "cm");
+    assert_eq!(json["units"]["source"], "stated");
+    assert_eq!(json["defects"][0]["kind"], "flipped_triangles");
+    std::fs::remove_file(folder.path().join("flipped_triangle.obj")).expect("removed");
+    let output = dorsum(&["scene", scenario.to_str().expect("plain")]);
+    assert_eq!(output.status.code(), Some(2));
+}

@@ -22,6 +22,8 @@ pub struct SceneArgs {
 struct Printed<'a> {
     scenario: &'a str,
     surface: &'a str,
+    units: Option<&'a crate::surface::io::UnitsFound>,
+    defects: &'a [crate::surface::Defect],
     vertices: usize,
     triangles: usize,
     ledger: &'a [crate::scenario::LedgerRow],
@@ -44,6 +46,8 @@ pub fn run(args: &SceneArgs, json: bool) -> Result<Outcome, CliError> {
     let printed = Printed {
         scenario: &scene.scenario.name,
         surface: &scene.mesh_origin,
+        units: scene.mesh_units.as_ref(),
+        defects: &scene.report.defects,
         vertices: scene.surface.positions().len(),
         triangles: scene.surface.triangles().len(),
         ledger: &ledger.rows,
@@ -58,6 +62,12 @@ pub fn run(args: &SceneArgs, json: bool) -> Result<Outcome, CliError> {
         "{}, {} vertices, {} triangles",
         printed.surface, printed.vertices, printed.triangles
     ));
+    if let Some(units) = printed.units {
+        print(format_args!("{units}"));
+    }
+    for defect in printed.defects {
+        print(format_args!("{defect}"));
+    }
     print("");
     print(format_args!(
         "{:<22} {:<9} {:>10} {:>14}  {:<9} reason",

@@ -7,6 +7,7 @@ use crate::deform::models::fsmd;
 use crate::maps::StiffnessMap;
 use crate::partition::Partition as _;
 use crate::partition::bvh::Bvh;
+use crate::surface::io::UnitsFound;
 use crate::surface::{self, RawMesh, Report, Surface, back};
 use crate::units::LengthUnit;
 use std::path::Path;
@@ -30,6 +31,8 @@ pub struct Scene {
     pub deform: fsmd::Settings,
     /// `builtin:back` or the mesh path as stated.
     pub mesh_origin: String,
+    /// The units a mesh file was taken to be in; nothing for the built-in back.
+    pub mesh_units: Option<UnitsFound>,
     /// What was built and what was left out, with its cost.
     pub ledger: Ledger,
 }
@@ -72,7 +75,7 @@ pub fn build(
 
     step("Reading the mesh", 0.0)?;
     let started = Instant::now();
-    let (raw, mesh_origin) = raw_mesh(&scenario)?;
+    let (raw, mesh_origin, mesh_units) = raw_mesh(&scenario)?;
     step("Checking the surface", 0.2)?;
     let (surface, report) =
         Surface::new(raw).map_err(|e| BuildError(format!("{mesh_origin}: {e}")))?;
@@ -119,6 +122,7 @@ pub fn build(
         touch,
         deform,
         mesh_origin,
+        mesh_units,
         ledger,
     })
 }
@@ -127,15 +131,15 @@ fn us_since(started: Instant) -> f64 {
     started.elapsed().as_secs_f64() * 1.0e6
 }
 
-/// The mesh as its source gives it, and the name of that source.
-fn raw_mesh(scenario: &Scenario) -> Result<(RawMesh, String), BuildError> {
+/// The mesh as its source gives it, the name of that source, and the units of a file.
+fn raw_mesh(scenario: &Scenario) -> Result<(RawMesh, String, Option<UnitsFound>), BuildError> {
     match &scenario.surface {
         SurfaceChoice::BuiltinBack { triangles } => {
             let options = back::BackOptions {
                 triangles: *triangles,
                 ..back::BackOptions::default()
             };
-            Ok((back::make(&options), "builtin:back".into()))
+            Ok((back::make(&options), "builtin:back".into(), None))
         }
         SurfaceChoice::Mesh { path, units } => {
             let Some(folder) = &scenario.folder else {
@@ -145,8 +149,10 @@ fn raw_mesh(scenario: &Scenario) -> Result<(RawMesh, String), BuildError> {
             };
             let file = folder.join(path);
             stays_inside(&file, folder)?;
-            let mesh = read_mesh(&file, units.as_deref())?;
-            Ok((mesh, path.display().to_string()))
+            let units = units.as_deref().and_then(LengthUnit::from_name);
+            let read = surface::io::read(&file, units);
+            let (mesh, units) = read.map_err(|e| BuildError(e.to_string()))?;
+            Ok((mesh, path.display().to_string(), Some(units)))
         }
     }
 }
@@ -168,11 +174,4 @@ fn stays_inside(file: &Path, folder: &Path) -> Result<(), BuildError> {
         let what = "leads outside the scenario's folder; meshes must lie in it";
         Err(BuildError(format!("{}: {what}", file.display())))
     }
-}
-
-fn read_mesh(file: &Path, units: Option<&str>) -> Result<RawMesh, BuildError> {
-    let units = units.and_then(LengthUnit::from_name);
-    let read = surface::io::read(file, units);
-    let (mesh, _units) = read.map_err(|e| BuildError(e.to_string()))?;
-    Ok(mesh)
 }

@@ -228,6 +228,9 @@ impl Bench {
     }
 
     fn set_scene(&mut self, scene: Arc<Scene>) {
+        if let Some(units) = &scene.mesh_units {
+            self.tell(Level::Info, format!("{}: {units}", scene.mesh_origin));
+        }
         let defects = &scene.report.defects;
         for defect in defects.iter().take(DEFECTS_TOLD) {
             self.tell(Level::Warning, format!("{}: {defect}", scene.mesh_origin));
