@@ -352,6 +352,28 @@ fn normals_equal_those_recomputed_over_the_whole_surface() {
 }
 
 #[test]
+fn normals_are_right_round_a_hub_with_hundreds_of_spokes_and_on_the_rim() {
+    let spokes = 300_u32;
+    let mut mesh = RawMesh::default();
+    mesh.positions.push(Vec3::new(0.0, 0.0, 3.0));
+    for i in 0..spokes {
+        let phi = std::f64::consts::TAU * f64::from(i) / f64::from(spokes);
+        mesh.positions
+            .push(Vec3::new(20.0 * phi.cos(), 20.0 * phi.sin(), 0.0));
+        mesh.triangles.push([0, 1 + i, 1 + (i + 1) % spokes]);
+    }
+    let skin = Surface::new(mesh).unwrap().0;
+    for vertex in [0, 7] {
+        let press = press_at_vertex(&skin, vertex, 6.0, [4.0, 1.0]);
+        let out = deformed(&skin, small(), &[press]);
+        let expected = normals_by_definition(&skin, &out);
+        for v in 0..skin.positions().len() {
+            assert!((out.normals[v] - expected[v]).length() < 1e-12);
+        }
+    }
+}
+
+#[test]
 fn shading_starts_from_the_normal_at_rest_without_a_jump() {
     let skin = hill(40, 4.0);
     let press = press_at_vertex(&skin, 840, 1e-7, [1e-7, 0.0]);

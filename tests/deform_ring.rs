@@ -1,7 +1,7 @@
 //! The ring search against its definition: everything inside the outline that hangs together with the start triangle.
 
-use dorsum::deform::RingSearch;
 use dorsum::deform::footprint::{Ellipse, Outline};
+use dorsum::deform::{Patches, RingSearch};
 use dorsum::geom::Vec3;
 use dorsum::surface::{RIM, RawMesh, Surface};
 use proptest::prelude::*;
@@ -154,6 +154,7 @@ proptest! {
         let surface = surface_of(&first);
         prop_assume!(surface.is_some());
         let Some(surface) = surface else { return Ok(()) };
+        let patches = Patches::new(&surface);
         let mut search = RingSearch::default();
         let mut steps = vec![(first.start, first.half_axes)];
         steps.extend(others);
@@ -163,16 +164,13 @@ proptest! {
             let [u, v] = first.weights;
             let anchor = t.at([1.0 - u - v, u, v]);
             let Some(outline) = Ellipse::new(anchor, t.normal(), a, b, first.angle_rad) else { continue };
-            search.search(&surface, &outline, start);
-            let found: BTreeSet<u32> = search.inside().iter().copied().collect();
-            prop_assert_eq!(found.len(), search.inside().len(), "no vertex twice");
+            search.search(&surface, &patches, &outline, start);
+            let order: Vec<u32> = search.vertices(&patches).collect();
+            let found: BTreeSet<u32> = order.iter().copied().collect();
+            prop_assert_eq!(found.len(), order.len(), "no vertex twice");
             prop_assert_eq!(&found, &by_definition(&surface, &outline, start));
-            for (&v, &q) in search.inside().iter().zip(search.ratios()) {
-                prop_assert_eq!(q, outline.ratio(surface.positions()[v as usize]));
-            }
-            let again = search.inside().to_vec();
-            search.search(&surface, &outline, start);
-            prop_assert_eq!(again, search.inside(), "the same order every time");
+            search.search(&surface, &patches, &outline, start);
+            prop_assert!(search.vertices(&patches).eq(order), "the same order every time");
         }
     }
 }
@@ -190,15 +188,15 @@ fn a_footprint_smaller_than_its_triangle_finds_nothing_or_the_corner_across_the_
         triangles: vec![[0, 1, 2], [1, 0, 3]],
     };
     let skin = Surface::new(mesh).unwrap().0;
+    let patches = Patches::new(&skin);
     let mut search = RingSearch::default();
     let mut found = |y: f64, radius: f64| {
         let centre = Vec3::new(0.0, y, 0.0);
         let circle = Ellipse::new(centre, Vec3::Z, radius, radius, 0.0).unwrap();
-        search.search(&skin, &circle, 0);
+        search.search(&skin, &patches, &circle, 0);
         search
-            .inside()
-            .iter()
-            .map(|&v| skin.positions()[v as usize])
+            .vertices(&patches)
+            .map(|v| skin.positions()[v as usize])
             .collect::<Vec<_>>()
     };
     assert!(found(10.0, 5.0).is_empty());
@@ -207,4 +205,49 @@ fn a_footprint_smaller_than_its_triangle_finds_nothing_or_the_corner_across_the_
         "past the edge, short of the corner"
     );
     assert_eq!(found(2.0, 8.0), [Vec3::new(0.0, -5.0, 0.0)]);
+}
+
+/// A disc whose hub has more neighbours than a patch can number.
+fn wheel(spokes: u32) -> Surface {
+    let mut mesh = RawMesh {
+        positions: vec![Vec3::ZERO],
+        ..RawMesh::default()
+    };
+    for radius in [5.0, 6.0] {
+        for i in 0..spokes {
+            let phi = 2.0 * PI * f64::from(i) / f64::from(spokes);
+            mesh.positions.push(Vec3::new(
+                radius * phi.cos(),
+                radius * phi.sin(),
+                radius * 0.2,
+            ));
+        }
+    }
+    for i in 0..spokes {
+        let next = (i + 1) % spokes;
+        let (a, b) = (1 + i, 1 + next);
+        mesh.triangles.push([0, a, b]);
+        mesh.triangles.push([a, a + spokes, b + spokes]);
+        mesh.triangles.push([a, b + spokes, b]);
+    }
+    Surface::new(mesh).unwrap().0
+}
+
+#[test]
+fn a_hub_with_hundreds_of_spokes_hangs_together_with_all_of_them() {
+    let skin = wheel(300);
+    let patches = Patches::new(&skin);
+    let mut search = RingSearch::default();
+    for (centre, radius) in [
+        (Vec3::ZERO, 1.0),
+        (Vec3::ZERO, 5.5),
+        (Vec3::ZERO, 9.0),
+        (Vec3::X * 4.0, 4.5),
+        (Vec3::X * 5.5, 1.0),
+    ] {
+        let circle = Ellipse::new(centre, Vec3::Z, radius, radius, 0.0).unwrap();
+        search.search(&skin, &patches, &circle, 0);
+        let found: BTreeSet<u32> = search.vertices(&patches).collect();
+        assert_eq!(found, by_definition(&skin, &circle, 0), "{centre} {radius}");
+    }
 }

@@ -1,6 +1,6 @@
 //! The outline of a dent on the skin, and the location ratio q of a point in it (Ji 2008, 4.4).
 
-use crate::geom::{Vec3, any_tangent, unit_or};
+use crate::geom::{Aabb, Vec3, any_tangent, unit_or};
 
 /// Below this |n·z| the skin stands so steep on the map plane (beyond 60°) that a direction carried over along z is mostly
 /// its rise; see [`major_axis_on_skin`].
@@ -13,6 +13,11 @@ pub trait Outline {
 
     /// Whether the segment between two points, mm, has a point inside.
     fn reaches(&self, from: Vec3, to: Vec3) -> bool;
+
+    /// Whether all of a box is inside for certain. Answering false is always right, only slower.
+    fn holds(&self, _bounds: &Aabb) -> bool {
+        false
+    }
 }
 
 /// The true ellipse q² = (u/a)² + (v/b)² in its own axes on the tangent plane at its centre.
@@ -96,6 +101,16 @@ impl Outline for Ellipse {
         let (cu, cv) = (u + t * du, v + t * dv);
         cu * cu + cv * cv < 1.0
     }
+
+    /// By the largest |u| and |v| in the box; a billionth is left for rounding.
+    #[inline]
+    fn holds(&self, bounds: &Aabb) -> bool {
+        let half = (bounds.max - bounds.min) * 0.5;
+        let (u, v) = self.in_axes(bounds.min + half);
+        let u = u.abs() + self.major_per_mm.abs().dot(half);
+        let v = v.abs() + self.minor_per_mm.abs().dot(half);
+        u * u + v * v < 1.0 - 1e-9
+    }
 }
 
 /// The direction `angle_rad` of the map plane (from x), carried over along z to the tangent plane with the unit `normal`.
@@ -174,6 +189,18 @@ mod tests {
                 prop_assert_eq!(ellipse.reaches(from, to), least < 1.0);
             }
         }
+    }
+
+    #[test]
+    fn a_box_is_held_only_when_all_of_it_is_inside() {
+        let e = Ellipse::new(Vec3::ZERO, Vec3::Z, 30.0, 10.0, 0.0).unwrap();
+        let held = |x: f64, y: f64| {
+            let corner = Vec3::new(x, y, 3.0);
+            e.holds(&Aabb::of_points([corner, -corner]))
+        };
+        assert!(held(20.0, 7.0) && held(0.0, 9.99) && held(0.0, 0.0));
+        assert!(!held(30.0, 0.0) && !held(25.0, 8.0) && !held(0.0, 11.0));
+        assert!(!e.holds(&Aabb::of_points([Vec3::X * 100.0])));
     }
 
     #[test]

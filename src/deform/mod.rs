@@ -7,12 +7,15 @@
 pub mod curve;
 pub mod footprint;
 pub mod models;
+mod patches;
 mod ring;
+mod shading;
 
 use crate::contact::{Contact, Touch};
 use crate::geom::Vec3;
 use crate::surface::Surface;
 
+pub use patches::Patches;
 pub use ring::RingSearch;
 
 /// One finger's press on the skin, as every deformation model sees it.
@@ -108,6 +111,9 @@ impl Displacement {
 pub trait Model: Send {
     /// Name in files, tables and the command line.
     fn name(&self) -> &'static str;
+
+    /// Builds what the model keeps about a surface, so that the first update on it is as fast as the others. Optional.
+    fn prepare(&mut self, _surface: &Surface) {}
 
     /// Brings `out` from whatever it held after the last call to the shape under `presses`.
     ///

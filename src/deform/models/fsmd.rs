@@ -17,9 +17,10 @@
 //! caps and sums does not depend on a frame, and two fingers side by side do not dig twice as deep as one may.
 
 use crate::deform::curve::Curve;
-use crate::deform::footprint::Ellipse;
-use crate::deform::ring::RingSearch;
-use crate::deform::{Displacement, Model, Press};
+use crate::deform::footprint::{Ellipse, Outline};
+use crate::deform::patches::{PATCH, Patches};
+use crate::deform::shading::Shading;
+use crate::deform::{Displacement, Model, Press, RingSearch};
 use crate::geom::{Vec3, unit_or};
 use crate::surface::Surface;
 
@@ -72,15 +73,37 @@ impl Settings {
 
 /// The model with its scratch memory.
 ///
-/// An update costs what the footprints hold, not what the surface holds; only the first one on a surface of another size
-/// allocates per vertex. A footprint or cap that is not positive and finite moves nothing.
+/// An update costs what the footprints hold, not what the surface holds; only the first one on another surface looks at all
+/// of it (see [`Model::prepare`]). A footprint or cap that is not positive and finite moves nothing.
 #[derive(Clone, Debug)]
 pub struct Fsmd {
     settings: Settings,
     curve: Curve,
-    search: RingSearch,
-    field: Field,
-    changed: Vec<u32>,
+    patches: Patches,
+    /// Fields of this update, in the order of the presses, each with a search of its own below.
+    fields: Vec<Field>,
+    searches: Vec<RingSearch>,
+    /// Patches that a field or the last update moves.
+    affected: Vec<u32>,
+    affected_in: Vec<u32>,
+    generation: u32,
+    shading: Shading,
+}
+
+/// One half of one press: how far its centre goes, and its outline.
+#[derive(Clone, Copy, Debug)]
+struct Field {
+    centre_mm: Vec3,
+    outline: Ellipse,
+    tangential: bool,
+}
+
+impl Field {
+    /// What the field adds at a point inside, mm.
+    #[inline(always)]
+    fn share(&self, curve: &Curve, at: Vec3) -> Vec3 {
+        self.centre_mm * curve.at(self.outline.ratio(at))
+    }
 }
 
 impl Fsmd {
@@ -94,9 +117,13 @@ impl Fsmd {
         Self {
             settings,
             curve,
-            search: RingSearch::default(),
-            field: Field::default(),
-            changed: Vec::new(),
+            patches: Patches::default(),
+            fields: Vec::new(),
+            searches: Vec::new(),
+            affected: Vec::new(),
+            affected_in: Vec::new(),
+            generation: 0,
+            shading: Shading::default(),
         }
     }
 
@@ -110,39 +137,158 @@ impl Fsmd {
         &self.curve
     }
 
-    /// Scratch memory held, bytes.
+    /// Memory held beside the displacement, bytes.
     pub fn bytes(&self) -> usize {
-        self.search.bytes() + self.field.bytes() + 4 * self.changed.capacity()
+        self.patches.bytes()
+            + self.searches.iter().map(RingSearch::bytes).sum::<usize>()
+            + 4 * (self.affected.capacity() + self.affected_in.capacity())
+            + self.shading.bytes()
     }
 
-    /// Adds what one press moves to the field.
-    fn add(&mut self, surface: &Surface, press: &Press) {
-        let s = &self.settings;
-        let Some(footprint) = Ellipse::new(
-            press.anchor_mm,
-            press.normal,
-            s.half_major_mm,
-            s.half_minor_mm,
-            s.angle_rad,
-        ) else {
-            return;
-        };
-        let pull = cut(press.foot_mm - press.anchor_mm, s.max_tangential_mm);
-        if s.tangential && pull != Vec3::ZERO {
-            self.search.search(surface, &footprint, press.triangle);
-            for (&v, &q) in self.search.inside().iter().zip(self.search.ratios()) {
-                self.field.at(v).tangential_mm += pull * self.curve.at(q);
+    /// The first half of [`Model::update`]: brings the offsets to the shape under `presses`.
+    pub fn displace(&mut self, surface: &Surface, presses: &[Press], out: &mut Displacement) {
+        let n_vertices = surface.positions().len();
+        if out.offsets_mm.len() != n_vertices || out.normals.len() != n_vertices {
+            *out = Displacement::at_rest(surface);
+        }
+        self.prepare(surface);
+        self.fields.clear();
+        for press in presses {
+            if let Some(press) = sound(press, surface) {
+                self.add(surface, &press);
             }
         }
-        let dent = -press.normal * press.depth_mm.min(s.max_normal_mm);
-        let scaled = footprint.scaled(s.normal_scale(press.depth_mm));
-        if let Some(footprint) = scaled.filter(|_| dent != Vec3::ZERO) {
-            self.search.search(surface, &footprint, press.triangle);
-            for (&v, &q) in self.search.inside().iter().zip(self.search.ratios()) {
-                self.field.at(v).normal_mm += dent * self.curve.at(q);
-            }
+        self.gather_affected(&out.moved);
+        out.moved.clear();
+        self.shading.begin(&self.patches);
+        for i in 0..self.affected.len() {
+            let changed = self.displace_patch(surface, self.affected[i], out);
+            self.shading.note(self.affected[i], changed);
         }
     }
+
+    /// The second half: recomputes the normals of the vertices displaced and of those next to them, and lists what is to be
+    /// drawn anew.
+    pub fn shade(&mut self, surface: &Surface, out: &mut Displacement) {
+        self.shading.renew(surface, &self.patches, out);
+    }
+
+    /// Adds the fields of one press and finds what they move.
+    fn add(&mut self, surface: &Surface, press: &Press) {
+        let s = &self.settings;
+        let (a, b) = (s.half_major_mm, s.half_minor_mm);
+        let footprint = Ellipse::new(press.anchor_mm, press.normal, a, b, s.angle_rad);
+        let pull = cut(press.foot_mm - press.anchor_mm, s.max_tangential_mm);
+        let dent = -press.normal * press.depth_mm.min(s.max_normal_mm.max(0.0));
+        let scale = s.normal_scale(press.depth_mm);
+        let wide = footprint.filter(|_| s.tangential && pull != Vec3::ZERO);
+        let narrow = footprint.and_then(|f| f.scaled(scale));
+        let narrow = narrow.filter(|_| dent != Vec3::ZERO && dent.is_finite());
+        let halves = [(wide, pull, true), (narrow, dent, false)];
+        for (outline, centre_mm, tangential) in halves {
+            let Some(outline) = outline else { continue };
+            if self.searches.len() == self.fields.len() {
+                self.searches.push(RingSearch::default());
+            }
+            let search = &mut self.searches[self.fields.len()];
+            search.search(surface, &self.patches, &outline, press.triangle);
+            self.fields.push(Field {
+                centre_mm,
+                outline,
+                tangential,
+            });
+        }
+    }
+
+    /// Lists the patches that a field moves or that the last update did.
+    fn gather_affected(&mut self, moved_before: &[u32]) {
+        if self.affected_in.len() != self.patches.len() || self.generation == u32::MAX {
+            self.affected_in.clear();
+            self.affected_in.resize(self.patches.len(), 0);
+            self.generation = 0;
+        }
+        self.generation += 1;
+        self.affected.clear();
+        let searches = &self.searches[..self.fields.len()];
+        let now = searches.iter().flat_map(|s| s.found().iter().copied());
+        let before = moved_before.iter().map(|&v| self.patches.place(v).0);
+        for p in now.chain(before) {
+            let seen = &mut self.affected_in[p as usize];
+            if *seen != self.generation {
+                *seen = self.generation;
+                self.affected.push(p);
+            }
+        }
+        // In the order of memory, and of the surface whatever the search met first.
+        self.affected.sort_unstable();
+    }
+
+    /// Brings the offsets of one patch up to date; answers with the bits of the vertices whose offset changed.
+    fn displace_patch(&self, surface: &Surface, p: u32, out: &mut Displacement) -> u64 {
+        let vertices = self.patches.patch(p).vertices;
+        let searches = self.fields.iter().zip(&self.searches);
+        let mut fields = searches
+            .map(|(field, search)| (field, search.inside(p)))
+            .filter(|&(_, inside)| inside != 0);
+        let Some((first, inside)) = fields.next() else {
+            return write(vertices, out, |_, _| Vec3::ZERO);
+        };
+        let positions = surface.positions();
+        let share = |field: &Field, v: u32| field.share(&self.curve, positions[v as usize]);
+        let Some(second) = fields.next() else {
+            // The usual case, one field. It was cut at its centre already.
+            return if inside == self.patches.patch(p).all() {
+                write(vertices, out, |_, v| share(first, v))
+            } else {
+                write(vertices, out, |i, v| {
+                    if inside >> i & 1 == 1 {
+                        share(first, v)
+                    } else {
+                        Vec3::ZERO
+                    }
+                })
+            };
+        };
+        let mut normal = [Vec3::ZERO; PATCH];
+        let mut tangential = [Vec3::ZERO; PATCH];
+        for (field, inside) in [(first, inside), second].into_iter().chain(fields) {
+            let sums = if field.tangential {
+                &mut tangential
+            } else {
+                &mut normal
+            };
+            for (i, (sum, &v)) in sums.iter_mut().zip(vertices).enumerate() {
+                if inside >> i & 1 == 1 {
+                    *sum += share(field, v);
+                }
+            }
+        }
+        let (max_n, max_t) = (self.settings.max_normal_mm, self.settings.max_tangential_mm);
+        write(vertices, out, |i, _| {
+            cut(normal[i], max_n) + cut(tangential[i], max_t)
+        })
+    }
+}
+
+/// Writes an offset for each of at most 64 vertices; answers with the bits of those that changed.
+#[inline(always)]
+fn write(vertices: &[u32], out: &mut Displacement, offset: impl Fn(usize, u32) -> Vec3) -> u64 {
+    let (mut changed, mut still) = (0, 0);
+    for (i, &v) in vertices.iter().enumerate() {
+        let offset = offset(i, v);
+        let held = &mut out.offsets_mm[v as usize];
+        changed |= u64::from(*held != offset) << i;
+        still |= u64::from(offset == Vec3::ZERO) << i;
+        *held = offset;
+    }
+    if still == 0 {
+        out.moved.extend_from_slice(vertices);
+    } else {
+        let numbered = vertices.iter().enumerate();
+        out.moved
+            .extend(numbered.filter_map(|(i, &v)| (still >> i & 1 == 0).then_some(v)));
+    }
+    changed
 }
 
 impl Model for Fsmd {
@@ -150,127 +296,16 @@ impl Model for Fsmd {
         "fsmd"
     }
 
+    fn prepare(&mut self, surface: &Surface) {
+        if !self.patches.are_of(surface) {
+            self.patches = Patches::new(surface);
+            self.shading.prepare(surface, &self.patches);
+        }
+    }
+
     fn update(&mut self, surface: &Surface, presses: &[Press], out: &mut Displacement) {
         self.displace(surface, presses, out);
         self.shade(surface, out);
-    }
-}
-
-impl Fsmd {
-    /// The first half of [`Model::update`]: brings the offsets to the shape under `presses`.
-    pub fn displace(&mut self, surface: &Surface, presses: &[Press], out: &mut Displacement) {
-        let n_vertices = surface.positions().len();
-        if out.offsets_mm.len() != n_vertices || out.normals.len() != n_vertices {
-            *out = Displacement::at_rest(surface);
-        }
-        self.field.begin(n_vertices);
-        for press in presses {
-            if let Some(press) = sound(press, surface) {
-                self.add(surface, &press);
-            }
-        }
-        self.changed.clear();
-        for &v in &out.moved {
-            if !self.field.holds(v) {
-                out.offsets_mm[v as usize] = Vec3::ZERO;
-                self.changed.push(v);
-            }
-        }
-        out.moved.clear();
-        let (max_n, max_t) = (self.settings.max_normal_mm, self.settings.max_tangential_mm);
-        for (&v, parts) in self.field.vertices.iter().zip(&self.field.parts) {
-            let offset = cut(parts.normal_mm, max_n) + cut(parts.tangential_mm, max_t);
-            if offset != Vec3::ZERO {
-                out.moved.push(v);
-            }
-            let held = &mut out.offsets_mm[v as usize];
-            if *held != offset {
-                *held = offset;
-                self.changed.push(v);
-            }
-        }
-    }
-
-    /// The second half: recomputes the normals of the vertices displaced and of those next to them, and lists what is to be
-    /// drawn anew.
-    pub fn shade(&mut self, surface: &Surface, out: &mut Displacement) {
-        out.touched.clear();
-        self.field.begin(surface.positions().len());
-        for &v in &self.changed {
-            self.field.mark(v);
-            out.normals[v as usize] = normal_at(surface, &out.offsets_mm, v);
-            out.touched.push(v);
-        }
-        for &v in &self.changed {
-            for &n in surface.topology().neighbours(v) {
-                if self.field.mark(n) {
-                    let normal = normal_at(surface, &out.offsets_mm, n);
-                    let held = &mut out.normals[n as usize];
-                    if *held != normal {
-                        *held = normal;
-                        out.touched.push(n);
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// The two parts of a vertex's displacement, mm, each summed over the fingers.
-#[derive(Clone, Copy, Debug, Default)]
-struct Parts {
-    normal_mm: Vec3,
-    tangential_mm: Vec3,
-}
-
-/// A sparse field over the vertices, emptied in no time.
-#[derive(Clone, Debug, Default)]
-struct Field {
-    seen: Vec<u32>,
-    slot: Vec<u32>,
-    generation: u32,
-    vertices: Vec<u32>,
-    parts: Vec<Parts>,
-}
-
-impl Field {
-    fn begin(&mut self, n_vertices: usize) {
-        if self.seen.len() != n_vertices || self.generation == u32::MAX {
-            self.seen.clear();
-            self.seen.resize(n_vertices, 0);
-            self.slot.resize(n_vertices, 0);
-            self.generation = 0;
-        }
-        self.generation += 1;
-        self.vertices.clear();
-        self.parts.clear();
-    }
-
-    /// Whether the field has a value at `v`.
-    fn holds(&self, v: u32) -> bool {
-        self.seen[v as usize] == self.generation
-    }
-
-    /// Marks `v`; false when it was marked before.
-    fn mark(&mut self, v: u32) -> bool {
-        let seen = &mut self.seen[v as usize];
-        let new = *seen != self.generation;
-        *seen = self.generation;
-        new
-    }
-
-    fn at(&mut self, v: u32) -> &mut Parts {
-        if self.mark(v) {
-            self.slot[v as usize] = self.parts.len() as u32;
-            self.vertices.push(v);
-            self.parts.push(Parts::default());
-        }
-        &mut self.parts[self.slot[v as usize] as usize]
-    }
-
-    fn bytes(&self) -> usize {
-        4 * (self.seen.capacity() + self.slot.capacity() + self.vertices.capacity())
-            + size_of::<Parts>() * self.parts.capacity()
     }
 }
 
@@ -296,32 +331,5 @@ fn cut(v: Vec3, max_mm: f64) -> Vec3 {
         v * (max_mm / length_sq.sqrt())
     } else {
         Vec3::ZERO
-    }
-}
-
-/// Unit normal of the deformed surface at `v`.
-///
-/// n = unit(n₀ |S₀| + S − S₀) with S and S₀ the sums of the area normals of its triangles, deformed and at rest, and n₀ its
-/// normal at rest. So it leaves the normal at rest, which is weighted by angles, without a jump, and follows the area
-/// normals from there on. Where no triangle of it moved, exactly n₀.
-fn normal_at(surface: &Surface, offsets_mm: &[Vec3], v: u32) -> Vec3 {
-    let (mut at_rest, mut now, mut moved) = (Vec3::ZERO, Vec3::ZERO, false);
-    for &t in surface.topology().triangles_of(v) {
-        let corners = surface.triangles()[t as usize].map(|c| c as usize);
-        let [a, b, c] = corners.map(|c| surface.positions()[c]);
-        let [da, db, dc] = corners.map(|c| offsets_mm[c]);
-        moved |= da != Vec3::ZERO || db != Vec3::ZERO || dc != Vec3::ZERO;
-        let (e, f) = (b - a, c - a);
-        at_rest += e.cross(f);
-        now += (e + (db - da)).cross(f + (dc - da));
-    }
-    let normal_at_rest = surface.normals()[v as usize];
-    if moved {
-        unit_or(
-            normal_at_rest * at_rest.length() + (now - at_rest),
-            normal_at_rest,
-        )
-    } else {
-        normal_at_rest
     }
 }
