@@ -288,8 +288,7 @@ mod tests {
             let q = t.at(w);
             let (from, to) = (q - d * (part * scale), q + d * ((1.0 - part) * scale));
             let c = t.crossing(from, to);
-            prop_assert!(c.is_some());
-            let c = c.unwrap();
+            let c = c.ok_or_else(|| TestCaseError::fail("missed"))?;
             prop_assert!((c.t - part).abs() < 1e-9);
             prop_assert!((0..3).all(|i| (c.barycentric[i] - w[i]).abs() < 1e-8));
             prop_assert_eq!(c.inward, t.normal().dot(d) < 0.0);

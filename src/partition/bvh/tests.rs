@@ -126,7 +126,7 @@ fn surfaces_agree_with_brute_force() {
 
 #[test]
 fn scale_and_place_do_not_matter() {
-    for scale in [1e-6, 1e-3, 1e3, 1e6] {
+    for scale in [1e-4, 1e-2, 1e2, 1e3] {
         for by in [Vec3::ZERO, Vec3::new(1e6, -3e5, 2e6)] {
             let mesh = surface(moved(bench_patch(600), scale, by));
             agrees_with_brute(&format!("scale {scale}, at {by}"), &mesh, 40);
@@ -136,15 +136,17 @@ fn scale_and_place_do_not_matter() {
 
 #[test]
 fn coincident_triangles_end_in_bounded_depth_and_small_leaves() {
-    let mut mesh = cloud(1, 5.0, 1);
-    mesh.triangles = vec![[0, 1, 2]; 5000];
-    let positions = mesh.positions.clone();
-    let stacked: Vec<Vec3> = (0..5000).flat_map(|_| positions.clone()).collect();
+    // Apart by roundings only, so that validation keeps them; in `f32` their boxes are one.
+    let one = cloud(1, 5.0, 1).positions;
+    let positions = (0..5000)
+        .flat_map(|t| one.iter().map(move |&p| p * (1.0 + f64::from(t) * 1e-15)))
+        .collect();
     let triangles = (0..5000).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     let mesh = surface(RawMesh {
-        positions: stacked,
+        positions,
         triangles,
     });
+    assert!(mesh.triangles().len() > 1000, "{}", mesh.triangles().len());
     agrees_with_brute("coincident", &mesh, 12);
 }
 
@@ -168,8 +170,8 @@ fn needles_and_triangles_of_very_different_size_agree_with_brute_force() {
 fn sizes_that_grow_geometrically_do_not_deepen_the_tree() {
     // Each split by area would cut off one triangle: the worst case for a surface-area heuristic.
     let mut mesh = RawMesh::default();
-    for t in 0..900_u32 {
-        let x = libm::exp2(f64::from(t));
+    for t in 0..60_u32 {
+        let x = libm::exp2(22.0 - f64::from(t));
         mesh.positions.extend([
             Vec3::new(x, 0.0, 0.0),
             Vec3::new(1.5 * x, 0.0, 0.0),
@@ -177,15 +179,13 @@ fn sizes_that_grow_geometrically_do_not_deepen_the_tree() {
         ]);
         mesh.triangles.push([3 * t, 3 * t + 1, 3 * t + 2]);
     }
-    if let Ok((mesh, _)) = Surface::new(mesh) {
-        assert_eq!(Bvh::new(&mesh).validate(&mesh), Ok(()));
-    }
+    agrees_with_brute("growing", &surface(mesh), 60);
 }
 
 #[test]
 fn the_deepest_tree_fits_the_stack_of_a_query() {
     let levels = (super::START_BITS + super::SPARE_LEVELS).div_ceil(2) as usize;
-    assert!(3 * levels + 1 <= STACK);
+    assert!(3 * levels < STACK);
 }
 
 #[test]
