@@ -26,10 +26,11 @@ pub struct Camera {
 impl Camera {
     /// A view of the whole box from `direction` (from the target to the eye), for a picture of the given width ∕ height.
     ///
-    /// Up is to the head, or to the back where one looks along the body. An empty box is taken as a cube of 100 mm round
+    /// Up is to the head, or to the back where one looks along the body. A box that is empty or not finite is taken as a cube of 100 mm round
     /// the origin, a direction without length as +z (from behind), an aspect that is not positive as 1.
     pub fn framing(bounds: &Aabb, direction: Vec3, aspect: f64) -> Self {
-        let bounds = if bounds.is_empty() || !bounds.diagonal_mm().is_finite() {
+        let has_place = bounds.centre().is_finite() && bounds.diagonal_mm().is_finite();
+        let bounds = if bounds.is_empty() || !has_place {
             Aabb::cube(Vec3::ZERO, 100.0)
         } else {
             *bounds

@@ -21,8 +21,8 @@ const INSIDE: [u8; 3] = [128, 122, 122];
 const BACKGROUND: [[u8; 3]; 2] = [[232, 237, 243], [196, 207, 220]];
 /// Half the windows in which hollows are sought, mm: one for a fingertip's dent, one for the spinal furrow.
 const WINDOWS_MM: [f64; 2] = [10.0, 30.0];
-/// Hollowness that counts as fully hollow, for each window. A dent of 2 mm under a fingertip has 0.05 to 0.1.
-const FULL_HOLLOW: [f64; 2] = [0.10, 0.16];
+/// Hollowness that counts as hollow, for each window; far more of it is drawn little darker. A dent of 2 mm under a fingertip has 0.05 to 0.1.
+const FULL_HOLLOW: [f64; 2] = [0.06, 0.14];
 
 /// A sphere: a fingertip or a mark.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,11 +123,18 @@ impl Picture<'_> {
         let mut hollows = vec![0.0; n_pixels];
         for (radius_mm, full) in WINDOWS_MM.into_iter().zip(FULL_HOLLOW) {
             let found = hollowness(&spots, width, radius_mm * px_per_mm, radius_mm);
-            for (sum, found) in hollows.iter_mut().zip(found) {
-                *sum += found / full;
+            for ((sum, found), spot) in hollows.iter_mut().zip(found).zip(&spots) {
+                // A window in the picture reaches farther over skin that is seen aslant.
+                let facing = spot.map_or(1.0, |s| {
+                    s.normal
+                        .dot(unit_or(view.eye_mm - s.position_mm, view.back))
+                });
+                *sum += found / full * facing;
             }
         }
-        hollows.iter_mut().for_each(|h| *h = h.clamp(-1.0, 1.0));
+        hollows
+            .iter_mut()
+            .for_each(|h| *h /= (1.0 + *h * *h).sqrt());
         hollows
     }
 
@@ -242,18 +249,19 @@ fn shade(view: &View, lit: &Lit, hollow: f64, balls: &[Ball]) -> Vec3 {
             view.back,
         )
     };
-    let key = in_scene(-0.62, 0.58, 0.53);
+    let key = in_scene(-0.70, 0.52, 0.49);
     let fill = in_scene(0.85, 0.05, 0.52);
     let rim = in_scene(0.35, 0.65, -0.68);
     let n = lit.normal;
     let to_eye = unit_or(view.eye_mm - lit.position_mm, view.back);
     let is_ball = lit.finish == Finish::Ball;
 
-    let (mut open, mut key_open) = (1.0, 1.0);
+    let (mut tint, mut open, mut key_open) = (Vec3::ONE, 1.0, 1.0);
     if !is_ball {
         let (deep, high) = (hollow.max(0.0), (-hollow).max(0.0));
-        open *= 1.0 - 0.60 * deep + 0.10 * high;
-        key_open *= 1.0 - 0.30 * deep + 0.06 * high;
+        // Light bounced in a hollow is warm.
+        tint = Vec3::ONE - Vec3::new(0.58, 0.70, 0.74) * deep + Vec3::splat(0.10 * high);
+        key_open *= 1.0 - 0.40 * deep + 0.10 * high;
         for ball in balls {
             let (o, k) = openness_under(ball, lit.position_mm, n, key);
             open *= o;
@@ -261,21 +269,23 @@ fn shade(view: &View, lit: &Lit, hollow: f64, balls: &[Ball]) -> Vec3 {
         }
     }
 
-    // Light wraps past the terminator, red farthest: what scattering under the skin does to the edge of a shadow.
+    // Light wraps past the terminator, red farthest: what scattering under the skin does to the edge of a shadow. The
+    // square lets it end without a crease.
     let wrap = if is_ball {
-        Vec3::splat(0.15)
+        Vec3::splat(0.25)
     } else {
-        Vec3::new(0.30, 0.20, 0.16)
+        Vec3::new(0.60, 0.52, 0.48)
     };
     let wrapped = |light: Vec3| {
-        let full = (Vec3::ONE + wrap) * (Vec3::ONE + wrap);
-        ((Vec3::splat(n.dot(light)) + wrap) / full).max(Vec3::ZERO)
+        let share = ((Vec3::splat(n.dot(light)) + wrap) / (Vec3::ONE + wrap)).max(Vec3::ZERO);
+        share * share
     };
     let sky =
-        Vec3::new(0.20, 0.19, 0.19).lerp(Vec3::new(0.34, 0.36, 0.39), 0.5 + 0.5 * n.dot(view.up));
-    let diffuse = sky * open
-        + wrapped(key) * Vec3::new(1.0, 0.965, 0.92) * key_open
-        + wrapped(fill) * Vec3::new(0.82, 0.90, 1.0) * (0.24 * open);
+        Vec3::new(0.19, 0.17, 0.16).lerp(Vec3::new(0.29, 0.285, 0.285), 0.5 + 0.5 * n.dot(view.up));
+    let around = tint * open;
+    let diffuse = sky * around
+        + wrapped(key) * Vec3::new(1.08, 1.04, 1.0) * key_open
+        + wrapped(fill) * Vec3::new(0.22, 0.22, 0.22) * around;
 
     let half = unit_or(key + to_eye, n);
     let gloss = power(n.dot(half).max(0.0), 4 + u32::from(is_ball))
@@ -284,13 +294,13 @@ fn shade(view: &View, lit: &Lit, hollow: f64, balls: &[Ball]) -> Vec3 {
         * if is_ball { 0.22 } else { 0.05 };
     let facing = n.dot(to_eye).clamp(0.0, 1.0);
     let grazing = (1.0 - facing) * (1.0 - facing) * (1.0 - facing);
-    let edge = grazing * (0.35 + 0.65 * n.dot(rim)).max(0.0) * open * 0.30;
+    let edge = grazing * (0.35 + 0.65 * n.dot(rim)).max(0.0) * open * 0.14;
     let (gloss, edge) = if lit.finish == Finish::Inside {
         (0.0, 0.0)
     } else {
         (gloss, edge)
     };
-    lit.albedo * diffuse + Vec3::splat(gloss) + Vec3::new(0.85, 0.92, 1.0) * edge
+    lit.albedo * diffuse + Vec3::splat(gloss) + Vec3::new(1.0, 0.95, 0.90) * edge
 }
 
 /// What a ball leaves of the sky and of the key light at a point p with normal n: 1 far away.

@@ -32,21 +32,24 @@ pub struct LinePlot {
     pub series: Vec<Series>,
 }
 
-const WIDTH: u32 = 1000;
-const TITLE_HEIGHT: u32 = 30;
-const LEGEND_ROW_HEIGHT: u32 = 20;
-const FRAME_HEIGHT: u32 = 210;
-const X_LABEL_HEIGHT: u32 = 46;
-const GAP: u32 = 14;
-const LEFT_MARGIN: u32 = 12;
-const RIGHT_MARGIN: u32 = 28;
-const Y_LABEL_WIDTH: u32 = 68;
+/// The SVG backend draws in whole numbers: in quarters of a pixel slow curves stay smooth.
+const PX: u32 = 4;
+const WIDTH: u32 = 1000 * PX;
+const TITLE_HEIGHT: u32 = 30 * PX;
+const LEGEND_ROW_HEIGHT: u32 = 20 * PX;
+const FRAME_HEIGHT: u32 = 210 * PX;
+const X_LABEL_HEIGHT: u32 = 46 * PX;
+const GAP: u32 = 14 * PX;
+const LEFT_MARGIN: u32 = 12 * PX;
+const RIGHT_MARGIN: u32 = 28 * PX;
+const Y_LABEL_WIDTH: u32 = 68 * PX;
+const SWATCH_WIDTH: u32 = 18 * PX;
 const FRAME_LEFT: u32 = LEFT_MARGIN + Y_LABEL_WIDTH;
 const FRAME_WIDTH: u32 = WIDTH - FRAME_LEFT - RIGHT_MARGIN;
 /// The SVG backend divides a font's size by this.
 const FONT_SCALE: f64 = 1.24;
-const TITLE_SIZE: f64 = 16.0;
-const TEXT_SIZE: f64 = 12.5;
+const TITLE_SIZE: f64 = 16.0 * PX as f64;
+const TEXT_SIZE: f64 = 12.5 * PX as f64;
 /// A wide character, em: no font is at hand to measure with.
 const EM_PER_CHAR: f64 = 0.62;
 /// Farther out than any quantity here, and well inside what the axes can be divided over.
@@ -59,9 +62,12 @@ const AXIS: RGBColor = RGBColor(160, 168, 178);
 
 /// Draws the plots one above the other over a common range of x.
 ///
-/// Each series is one polyline. One with many points to a pixel column keeps, of each run of points in a column, the first,
+/// Each series is one polyline, or a dot where it has a single point. One with many points to a pixel column keeps, of each run of points in a column, the first,
 /// the lowest, the highest and the last, so that every extremum stays and the file stays small. A plot without a point
-/// says so.
+/// says so. Text that does not fit is cut off with an ellipsis.
+///
+/// # Errors
+/// None that is known: those of the drawing library, which writes to memory here.
 pub fn svg(plots: &[LinePlot]) -> Result<String> {
     let nothing = [LinePlot::default()];
     let plots = if plots.is_empty() { &nothing } else { plots };
@@ -84,7 +90,9 @@ pub fn svg(plots: &[LinePlot]) -> Result<String> {
         }
         rest.present().map_err(Error::other)?;
     }
-    Ok(text)
+    let drawn = format!("width=\"{WIDTH}\" height=\"{height}\"");
+    let shown = format!("width=\"{}\" height=\"{}\"", WIDTH / PX, height / PX);
+    Ok(text.replacen(&drawn, &shown, 1))
 }
 
 /// Writes [`svg`] to a file: beside `path`, then renamed, so that no reader sees half of one. The folder must exist.
@@ -100,18 +108,21 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 fn draw(area: &Area, plot: &LinePlot, x_range: &Range<f64>, last: bool) -> Result<()> {
     let title = style(TITLE_SIZE, INK).pos(Pos::new(HPos::Left, VPos::Center));
     let title_text = shortened(&plot.title, FRAME_WIDTH, TITLE_SIZE);
-    let title_at = (FRAME_LEFT as i32, TITLE_HEIGHT as i32 / 2 + 4);
+    let title_at = (FRAME_LEFT as i32, (TITLE_HEIGHT / 2 + 4 * PX) as i32);
     area.draw_text(&title_text, &title, title_at)
         .map_err(Error::other)?;
     for entry in legend(plot) {
         let middle = (TITLE_HEIGHT + entry.row * LEGEND_ROW_HEIGHT + LEGEND_ROW_HEIGHT / 2) as i32;
         let left = (FRAME_LEFT + entry.left) as i32;
         let [r, g, b] = entry.colour;
-        let swatch = [(left, middle - 2), (left + SWATCH_WIDTH as i32, middle + 1)];
+        let swatch = [
+            (left, middle - PX as i32),
+            (left + SWATCH_WIDTH as i32, middle + PX as i32),
+        ];
         area.draw(&Rectangle::new(swatch, RGBColor(r, g, b).filled()))
             .map_err(Error::other)?;
         let text = style(TEXT_SIZE, INK).pos(Pos::new(HPos::Left, VPos::Center));
-        let at = (left + SWATCH_WIDTH as i32 + 6, middle);
+        let at = (left + (SWATCH_WIDTH + 6 * PX) as i32, middle);
         area.draw_text(&entry.name, &text, at)
             .map_err(Error::other)?;
     }
@@ -119,8 +130,8 @@ fn draw(area: &Area, plot: &LinePlot, x_range: &Range<f64>, last: bool) -> Resul
     let y_range = padded(extent(points(plot).map(|p| p[1])), 0.06);
     let x_label_height = if last { X_LABEL_HEIGHT } else { 0 };
     let mut chart = ChartBuilder::on(area)
-        .margin_top(TITLE_HEIGHT + legend_rows(plot) * LEGEND_ROW_HEIGHT + 4)
-        .margin_bottom(if last { 0 } else { 4 })
+        .margin_top(TITLE_HEIGHT + legend_rows(plot) * LEGEND_ROW_HEIGHT + 4 * PX)
+        .margin_bottom(if last { 0 } else { 4 * PX })
         .margin_left(LEFT_MARGIN)
         .margin_right(RIGHT_MARGIN)
         .x_label_area_size(x_label_height)
@@ -130,8 +141,9 @@ fn draw(area: &Area, plot: &LinePlot, x_range: &Range<f64>, last: bool) -> Resul
     let text = style(TEXT_SIZE, INK);
     let label_chars = |px: u32| shortened_chars(px, TEXT_SIZE);
     let mut mesh = chart.configure_mesh();
-    mesh.bold_line_style(GRID)
-        .axis_style(AXIS)
+    mesh.bold_line_style(GRID.stroke_width(PX))
+        .axis_style(AXIS.stroke_width(PX))
+        .set_all_tick_mark_size(5 * PX)
         .label_style(text.clone())
         .axis_desc_style(text)
         .y_desc(cut(&plot.y_label, label_chars(FRAME_HEIGHT)));
@@ -140,15 +152,19 @@ fn draw(area: &Area, plot: &LinePlot, x_range: &Range<f64>, last: bool) -> Resul
     }
     mesh.draw().map_err(Error::other)?;
 
-    let column = (x_range.end - x_range.start) / f64::from(FRAME_WIDTH);
+    let column = (x_range.end - x_range.start) / f64::from(FRAME_WIDTH / PX);
     for series in &plot.series {
         let [r, g, b] = series.colour;
         let curve = decimated(drawn(series), x_range.start, column);
+        let colour = RGBColor(r, g, b);
+        if let [[x, y]] = curve[..] {
+            let dot = Circle::new((x, y), 3 * PX, colour.filled());
+            chart.draw_series([dot]).map_err(Error::other)?;
+            continue;
+        }
+        let curve = curve.into_iter().map(|[x, y]| (x, y));
         chart
-            .draw_series(LineSeries::new(
-                curve.into_iter().map(|[x, y]| (x, y)),
-                RGBColor(r, g, b).stroke_width(2),
-            ))
+            .draw_series(LineSeries::new(curve, colour.stroke_width(3 * PX / 2)))
             .map_err(Error::other)?;
     }
     if points(plot).next().is_none() {
@@ -176,8 +192,6 @@ fn height_of(plot: &LinePlot, last: bool) -> u32 {
     TITLE_HEIGHT + legend_rows(plot) * LEGEND_ROW_HEIGHT + FRAME_HEIGHT + below
 }
 
-const SWATCH_WIDTH: u32 = 18;
-
 /// A name in the legend: where, in what colour.
 struct Entry {
     row: u32,
@@ -194,7 +208,7 @@ fn legend(plot: &LinePlot) -> Vec<Entry> {
     for series in plot.series.iter().filter(|s| !s.name.trim().is_empty()) {
         let name = shortened(&series.name, FRAME_WIDTH / 2, TEXT_SIZE);
         let chars = name.chars().count() as f64;
-        let wide = SWATCH_WIDTH + 24 + (chars * EM_PER_CHAR * TEXT_SIZE) as u32;
+        let wide = SWATCH_WIDTH + 24 * PX + (chars * EM_PER_CHAR * TEXT_SIZE) as u32;
         if left > 0 && left + wide > FRAME_WIDTH {
             (row, left) = (row + 1, 0);
         }
@@ -401,5 +415,70 @@ impl Run {
             }
             before = Some(i);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn decimation_keeps_the_extrema_of_every_column_in_order(
+            ys in prop::collection::vec(-50.0..50.0, 1..400),
+            n_columns in 1..40_usize,
+        ) {
+            let points: Vec<[f64; 2]> = ys.iter().zip(0..).map(|(&y, i)| [f64::from(i), y]).collect();
+            let column = points.len() as f64 / n_columns as f64;
+            let kept = decimated(points.iter().copied(), 0.0, column);
+            prop_assert!(kept.len() <= 4 * (n_columns + 1));
+            prop_assert!(kept.is_sorted_by(|a, b| a[0] < b[0]));
+            prop_assert_eq!(kept.first(), points.first());
+            prop_assert_eq!(kept.last(), points.last());
+            for i in 0..=n_columns {
+                let inside = |p: &&[f64; 2]| (p[0] / column).floor() == i as f64;
+                let before = extent(points.iter().filter(inside).map(|p| p[1]));
+                let after = extent(kept.iter().filter(inside).map(|p| p[1]));
+                prop_assert_eq!(before, after);
+            }
+        }
+
+        #[test]
+        fn every_axis_has_a_width_and_a_few_round_marks_inside(
+            low in -1.0e15..1.0e15_f64, exponent in -20..16_i32, up in 0.0..9.0_f64,
+        ) {
+            let high = (low + up * 10_f64.powi(exponent)).min(FARTHEST);
+            let range = padded(Some((low, high)), 0.06);
+            prop_assert!(range.start <= low && range.end >= high && range.start < range.end);
+            let axis = Axis::new(range.clone(), 5);
+            let marks = axis.key_points(plotters::coord::ranged1d::BoldPoints(5));
+            prop_assert!((2..=12).contains(&marks.len()), "{:?}: {:?}", range, marks);
+            for pair in marks.windows(2) {
+                prop_assert!(axis.format_ext(&pair[0]) != axis.format_ext(&pair[1]) || axis.is_wide);
+            }
+        }
+    }
+
+    #[test]
+    fn a_curve_that_runs_back_and_forth_keeps_its_order() {
+        let there_and_back = [[0.0, 0.0], [1.0, 1.0], [2.0, 2.0], [1.0, 3.0], [0.0, 4.0]];
+        let kept = decimated(there_and_back.into_iter(), 0.0, 0.5);
+        assert_eq!(kept, there_and_back);
+    }
+
+    #[test]
+    fn marks_are_round_and_read_as_such() {
+        let axis = Axis::new(-0.4..1.3, 5);
+        let marks = axis.key_points(plotters::coord::ranged1d::BoldPoints(5));
+        let texts: Vec<String> = marks.iter().map(|m| axis.format_ext(m)).collect();
+        assert_eq!(texts, ["0", "0.5", "1.0"]);
+        let axis = Axis::new(-25.0..25.0, 5);
+        let texts: Vec<String> = axis
+            .key_points(plotters::coord::ranged1d::BoldPoints(5))
+            .iter()
+            .map(|m| axis.format_ext(m))
+            .collect();
+        assert_eq!(texts, ["\u{2212}20", "\u{2212}10", "0", "10", "20"]);
     }
 }

@@ -128,3 +128,63 @@ fn box_sums(values: &[Sum], width: usize, half: usize) -> Vec<Sum> {
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One spot per mm over a height field given with its slope.
+    fn spots(n: usize, height: impl Fn(f64, f64) -> (f64, f64, f64)) -> Vec<Option<Spot>> {
+        (0..n * n)
+            .map(|i| {
+                let (x, y) = ((i % n) as f64, (i / n) as f64);
+                let (z, by_x, by_y) = height(x, y);
+                Some(Spot {
+                    position_mm: Vec3::new(x, y, z),
+                    normal: crate::geom::unit_or(Vec3::new(-by_x, -by_y, 1.0), Vec3::Z),
+                })
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_slope_is_no_hollow_even_at_its_border() {
+        let found = hollowness(
+            &spots(60, |x, y| (0.7 * x - 0.4 * y, 0.7, -0.4)),
+            60,
+            12.0,
+            12.0,
+        );
+        assert!(found.iter().all(|h| h.abs() < 1.0e-12), "{found:?}");
+    }
+
+    #[test]
+    fn a_bowl_is_as_hollow_as_its_window_says() {
+        let (n, radius, curvature) = (121, 12.0, 0.002);
+        let bowl = spots(n, |x, y| {
+            let (x, y) = (x - 60.0, y - 60.0);
+            let z = 0.5 * curvature * (x * x + y * y);
+            (z, curvature * x, curvature * y)
+        });
+        let found = hollowness(&bowl, n, radius, radius)[60 * n + 60];
+        // Variance of a box of 13 pixels along each axis, twice, on two axes: the mean of r².
+        let mean_r_sq = 4.0 * (13.0 * 13.0 - 1.0) / 12.0;
+        let expected = 0.5 * curvature * mean_r_sq / radius;
+        assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
+    }
+
+    #[test]
+    fn what_is_not_seen_counts_for_nothing() {
+        let mut half = spots(40, |x, _| (0.3 * x, 0.3, 0.0));
+        for (i, spot) in half.iter_mut().enumerate() {
+            if i % 40 > 22 {
+                *spot = None;
+            }
+        }
+        let found = hollowness(&half, 40, 9.0, 9.0);
+        assert!(found.iter().all(|h| h.abs() < 1.0e-12));
+        assert!(hollowness(&[], 0, 9.0, 9.0).is_empty());
+        assert!(hollowness(&[None], 1, 1.0e9, 9.0) == [0.0]);
+        assert!(hollowness(&[None], 1, f64::NAN, 9.0) == [0.0]);
+    }
+}

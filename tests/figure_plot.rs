@@ -1,0 +1,266 @@
+//! Plots as SVG: well formed, labelled, complete, and small.
+
+use dorsum::figure::plot::svg;
+use dorsum::figure::{LEFT, LinePlot, RIGHT, Series, write_svg};
+
+fn series(name: &str, colour: [u8; 3], points: Vec<[f64; 2]>) -> Series {
+    Series {
+        name: name.to_owned(),
+        colour,
+        points,
+    }
+}
+
+fn plot(title: &str, y_label: &str, series: Vec<Series>) -> LinePlot {
+    LinePlot {
+        title: title.to_owned(),
+        x_label: "time (s)".to_owned(),
+        y_label: y_label.to_owned(),
+        series,
+    }
+}
+
+fn wave(n: usize, height: f64) -> Vec<[f64; 2]> {
+    (0..n)
+        .map(|i| [i as f64 / 1000.0, height * (i as f64 / 700.0).sin()])
+        .collect()
+}
+
+fn hex([r, g, b]: [u8; 3]) -> String {
+    format!("#{r:02X}{g:02X}{b:02X}")
+}
+
+/// Checks that tags close in order, attributes are quoted and no bare special character is left; returns the tags.
+fn checked(svg: &str) -> Vec<String> {
+    let mut open = Vec::new();
+    let mut tags = Vec::new();
+    let mut rest = svg;
+    while let Some(start) = rest.find('<') {
+        let text = &rest[..start];
+        assert!(!text.contains('>'), "bare > in {text:?}");
+        for entity in text.split('&').skip(1) {
+            let name = entity.split(';').next().unwrap_or_default();
+            assert!(
+                ["lt", "gt", "amp", "quot", "apos"].contains(&name),
+                "&{entity}"
+            );
+        }
+        let end = start + rest[start..].find('>').expect("a tag closes");
+        let tag = &rest[start + 1..end];
+        assert!(
+            tag.matches('"').count() % 2 == 0 && !tag.contains('<'),
+            "{tag}"
+        );
+        let name = tag.split_whitespace().next().unwrap_or_default();
+        if let Some(closed) = name.strip_prefix('/') {
+            assert_eq!(open.pop().as_deref(), Some(closed));
+        } else if !tag.ends_with('/') {
+            open.push(name.to_owned());
+        }
+        tags.push(tag.to_owned());
+        rest = &rest[end + 1..];
+    }
+    assert!(open.is_empty(), "left open: {open:?}");
+    let allowed = |c: char| c == '\n' || c == '\t' || !c.is_control();
+    assert!(svg.chars().all(allowed));
+    tags
+}
+
+/// The polylines of a colour, as points in the drawing.
+fn curves(tags: &[String], colour: [u8; 3]) -> Vec<Vec<[f64; 2]>> {
+    let stroke = format!("stroke=\"{}\"", hex(colour));
+    tags.iter()
+        .filter(|t| t.starts_with("polyline") && t.contains(&stroke))
+        .map(|t| {
+            let points = t.split("points=\"").nth(1).expect("points");
+            points
+                .split('"')
+                .next()
+                .expect("quoted")
+                .split_whitespace()
+                .map(|p| {
+                    let (x, y) = p.split_once(',').expect("a pair");
+                    [x.parse().expect("a number"), y.parse().expect("a number")]
+                })
+                .collect()
+        })
+        .collect()
+}
+
+fn extent(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
+    [
+        values.clone().fold(f64::INFINITY, f64::min),
+        values.fold(f64::NEG_INFINITY, f64::max),
+    ]
+}
+
+#[test]
+fn two_plots_share_a_drawing_with_all_their_labels_and_curves() {
+    let names = ["left index", "right index"];
+    let curves_of = |h: f64| {
+        vec![
+            series(names[0], LEFT, wave(3000, h)),
+            series(names[1], RIGHT, wave(2000, h / 2.0)),
+        ]
+    };
+    let text = svg(&[
+        plot("Force at the fingers", "force (N)", curves_of(3.3)),
+        plot("Penetration", "depth (mm)", curves_of(8.0)),
+    ])
+    .expect("drawn");
+    let tags = checked(&text);
+    for label in [
+        "Force at the fingers",
+        "Penetration",
+        "force (N)",
+        "depth (mm)",
+        "time (s)",
+    ] {
+        assert!(text.contains(label), "{label} is missing");
+    }
+    assert_eq!(text.matches("time (s)").count(), 1, "x is shared");
+    for name in names {
+        assert_eq!(text.matches(name).count(), 2, "{name} in both legends");
+    }
+    let (left, right) = (curves(&tags, LEFT), curves(&tags, RIGHT));
+    assert_eq!((left.len(), right.len()), (2, 2));
+    // Shared x: the same second lies at the same place in both.
+    let ends = |c: &[[f64; 2]]| extent(c.iter().map(|p| p[0]));
+    assert_eq!(ends(&left[0]), ends(&left[1]));
+    let [start, end] = ends(&left[0]);
+    let share = (ends(&right[0])[1] - start) / (end - start);
+    assert!((share - 1999.0 / 2999.0).abs() < 1.0e-3, "{share}");
+    // Nothing outside of the drawing, the second below the first.
+    let view = text.split("viewBox=\"0 0 ").nth(1).expect("a view box");
+    let size: Vec<f64> = view
+        .split('"')
+        .next()
+        .expect("quoted")
+        .split(' ')
+        .map(|n| n.parse().expect("a number"))
+        .collect();
+    for p in left.iter().chain(&right).flatten() {
+        assert!(p[0] > 0.0 && p[0] < size[0] && p[1] > 0.0 && p[1] < size[1]);
+    }
+    assert!(extent(left[0].iter().map(|p| p[1]))[1] < extent(left[1].iter().map(|p| p[1]))[0]);
+}
+
+#[test]
+fn a_spike_of_one_tick_in_an_hour_stays_and_the_file_stays_small() {
+    let mut points: Vec<[f64; 2]> = (0..3_600_000)
+        .map(|i| [f64::from(i) / 1000.0, 1.0 + 0.01 * f64::from(i % 17)])
+        .collect();
+    points[1_234_567][1] = 9.0;
+    points[2_345_678][1] = -4.0;
+    let text = svg(&[plot(
+        "An hour",
+        "force (N)",
+        vec![series("left", LEFT, points)],
+    )])
+    .expect("drawn");
+    assert!(text.len() < 100_000, "{} bytes", text.len());
+    let curve = curves(&checked(&text), LEFT).concat();
+    let [top, bottom] = extent(curve.iter().map(|p| p[1]));
+    let tall = bottom - top;
+    let usual: Vec<f64> = curve.iter().map(|p| (bottom - p[1]) / tall).collect();
+    // 9 at the top, −4 at the bottom, all else near 1.08: 5.08 ∕ 13 of the way up.
+    let apart = usual
+        .iter()
+        .filter(|&&u| (u - 5.08 / 13.0).abs() > 0.02)
+        .count();
+    assert_eq!(apart, 2, "both spikes and nothing else");
+}
+
+#[test]
+fn points_that_are_not_finite_are_left_out() {
+    let mut points = wave(500, 2.0);
+    let expected =
+        svg(&[plot("t", "y (mm)", vec![series("a", LEFT, points.clone())])]).expect("drawn");
+    points.insert(100, [0.1, f64::NAN]);
+    points.insert(200, [f64::NAN, 0.3]);
+    points.insert(300, [0.3, f64::INFINITY]);
+    points.insert(400, [f64::NEG_INFINITY, 0.3]);
+    points.insert(401, [1.0, f64::MAX]);
+    let text = svg(&[plot("t", "y (mm)", vec![series("a", LEFT, points)])]).expect("drawn");
+    assert_eq!(text, expected);
+}
+
+#[test]
+fn an_empty_plot_says_so() {
+    let nowhere = series("a", LEFT, vec![[f64::NAN, 1.0]]);
+    for plots in [
+        vec![],
+        vec![plot("Empty", "y (mm)", vec![])],
+        vec![plot("Empty", "y (mm)", vec![nowhere])],
+    ] {
+        let text = svg(&plots).expect("drawn");
+        checked(&text);
+        assert!(text.contains("no data"));
+    }
+    let some = svg(&[plot("t", "y (mm)", vec![series("a", LEFT, wave(9, 1.0))])]).expect("drawn");
+    assert!(!some.contains("no data"));
+}
+
+#[test]
+fn every_range_of_values_can_be_drawn() {
+    for points in [
+        vec![[0.0, 0.0]],
+        vec![[3.0, 2.0], [3.0, 2.0]],
+        vec![[0.0, 5.0], [1.0, 5.0]],
+        vec![[0.0, 1.0e-300], [1.0, 2.0e-300]],
+        vec![[0.0, 1.0e15], [1.0, -1.0e15]],
+        vec![[1.0e15, 1.0], [1.0e15 + 1.0, 2.0]],
+        vec![[0.0, 1.0], [5.0e-324, 1.0 + f64::EPSILON]],
+        vec![[1.0, 0.0], [-1.0, 1.0], [0.5, 0.5]],
+    ] {
+        let text =
+            svg(&[plot("t", "y (mm)", vec![series("a", LEFT, points.clone())])]).expect("drawn");
+        let tags = checked(&text);
+        let dots = tags.iter().filter(|t| t.starts_with("circle")).count();
+        assert_eq!(curves(&tags, LEFT).len() + dots, 1, "{points:?}");
+        assert!(!text.contains("NaN") && !text.contains("inf"));
+    }
+}
+
+#[test]
+fn odd_text_neither_breaks_the_drawing_nor_runs_out_of_it() {
+    let odd = "a < b & \"c\" > 'd'\u{0}\u{7}";
+    let long = "very long ".repeat(60);
+    let many: Vec<Series> = (0..40)
+        .map(|i| series(&format!("series number {i}"), LEFT, wave(5, f64::from(i))))
+        .collect();
+    for (title, label, curves) in [
+        (odd, odd, vec![series(odd, LEFT, wave(5, 1.0))]),
+        (&*long, &*long, vec![series(&long, LEFT, wave(5, 1.0))]),
+        ("many", "y (mm)", many),
+    ] {
+        let text = svg(&[LinePlot {
+            x_label: label.to_owned(),
+            ..plot(title, label, curves)
+        }])
+        .expect("drawn");
+        checked(&text);
+    }
+    let text = svg(&[plot(&long, "y (mm)", vec![])]).expect("drawn");
+    assert!(text.contains('…') && !text.contains(&long));
+}
+
+#[test]
+fn the_file_is_replaced_whole_and_is_the_same_every_time() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("force.svg");
+    std::fs::write(&path, "an older drawing".repeat(10_000)).expect("written");
+    let plots = [plot(
+        "Force",
+        "force (N)",
+        vec![series("left", LEFT, wave(300, 1.0))],
+    )];
+    write_svg(&path, &plots).expect("written");
+    let text = std::fs::read_to_string(&path).expect("read");
+    assert_eq!(text, svg(&plots).expect("drawn"));
+    assert_eq!(
+        std::fs::read_dir(folder.path()).expect("a folder").count(),
+        1
+    );
+    assert!(write_svg(&folder.path().join("no/such/folder.svg"), &plots).is_err());
+}
