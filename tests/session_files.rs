@@ -1,41 +1,20 @@
-//! Session files: what is written is what is read, by us, by the schema in the file, by Python, and after damage.
+//! Session files: what is written is what is read, by us, by the schema in the file and by Python.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+#[path = "support/sessions.rs"]
+mod sessions;
 
 use dorsum::contact::{Contact, Touch};
 use dorsum::device::Reading;
 use dorsum::geom::Vec3;
 use dorsum::servo::{FingerRecord, LimitFlags};
 use dorsum::session::format::{self, FIELDS, Value};
-use dorsum::session::{
-    DeviceInfo, Entry, Event, Header, IfExists, MeshSource, Recording, Session, SessionError,
-    SessionWriter, Strictness,
-};
+use dorsum::session::{Entry, Event, IfExists, Session, SessionError, SessionWriter, Strictness};
 use proptest::prelude::*;
 use prost_reflect::{DescriptorPool, DynamicMessage, Value as Reflected};
-use std::path::{Path, PathBuf};
-
-fn header(n_fingers: usize) -> Header {
-    let device = DeviceInfo {
-        name: "Scripted".into(),
-        rated_force_n: 22.0,
-        rise_n_per_s: 4400.0,
-    };
-    Header {
-        scenario_toml: "format = 1\nname = \"Rücken\"\n".into(),
-        scenario_name: "Rücken".into(),
-        mesh: MeshSource {
-            hash: "ab".repeat(32),
-            origin: "builtin:back".into(),
-            triangles: 2962,
-        },
-        devices: vec![device; n_fingers],
-        rate_hz: 1000.0,
-        build: "test".into(),
-        started_utc: "2031-05-17T09:30:00Z".into(),
-        participant: Some("P07".into()),
-    }
-}
+use sessions::{header, load, run, temporary, write};
+use std::path::Path;
 
 /// Any bits but NaN, which never occurs.
 fn double() -> impl Strategy<Value = f64> {
@@ -95,50 +74,6 @@ fn record() -> impl Strategy<Value = FingerRecord> {
         limits: LimitFlags(n.3),
         duration_us: rest.2,
     })
-}
-
-/// Records of a smooth run: for each tick one per finger.
-fn run(n_ticks: u64, n_fingers: u8) -> Vec<FingerRecord> {
-    let ticks = (0..n_ticks).flat_map(|tick| (0..n_fingers).map(move |finger| (tick, finger)));
-    let record = |(tick, finger): (u64, u8)| {
-        let x = tick as f64 * 0.1 + f64::from(finger);
-        FingerRecord {
-            tick: tick + 7,
-            finger,
-            time_ns: tick * 1_000_000 + 123,
-            reading: Reading {
-                position_mm: Vec3::new(x, -x, x / 3.0),
-                connected: true,
-                ..Reading::default()
-            },
-            sent_force_n: Vec3::new(0.0, -0.0, x),
-            ..FingerRecord::default()
-        }
-    };
-    ticks.map(record).collect()
-}
-
-fn write(path: &Path, n_fingers: usize, records: &[FingerRecord]) {
-    let mut writer = SessionWriter::create(path, &header(n_fingers), IfExists::Refuse).unwrap();
-    for (i, r) in records.iter().enumerate() {
-        writer.write(r).unwrap();
-        if i == records.len() / 2 {
-            writer.event("mark", "halfway").unwrap();
-        }
-    }
-    let summary = writer.finish().unwrap();
-    assert_eq!(summary.lost, 0);
-    assert_eq!(summary.bytes, std::fs::metadata(path).unwrap().len());
-}
-
-fn load(path: &Path, strictness: Strictness) -> Result<Recording, SessionError> {
-    Session::open(path)?.load(strictness)
-}
-
-fn temporary() -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.mcap");
-    (folder, path)
 }
 
 /// Every field of both by its bits.
@@ -388,186 +323,6 @@ fn a_recording_starts_with_a_whole_tick() {
     assert_eq!(writer.finish().unwrap().lost, 0);
     let read = load(&path, Strictness::Strict).unwrap();
     assert_eq!((read.fingers[0][0].tick, read.fingers[1][0].tick), (8, 8));
-}
-
-/// Where each chunk record of a finished file ends, its message indexes left out, and the messages read up to there.
-fn chunk_ends(path: &Path) -> Vec<(u64, usize)> {
-    let bytes = std::fs::read(path).unwrap();
-    let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
-    let mut indexes = summary.chunk_indexes.clone();
-    indexes.sort_by_key(|c| c.chunk_start_offset);
-    let mut total = 0;
-    let mut ends = Vec::new();
-    for index in &indexes {
-        total += summary.stream_chunk(&bytes, index).unwrap().count();
-        ends.push((index.chunk_start_offset + index.chunk_length, total));
-    }
-    ends
-}
-
-#[test]
-fn a_file_cut_anywhere_keeps_every_whole_chunk() {
-    let (_folder, path) = temporary();
-    write(&path, 2, &run(4000, 2));
-    let ends = chunk_ends(&path);
-    assert!(ends.len() > 8);
-    let bytes = std::fs::read(&path).unwrap();
-    let cut = path.with_extension("cut");
-    let mut random = 1u64;
-    for _ in 0..150 {
-        random = random
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        let length = (random >> 20) % bytes.len() as u64;
-        std::fs::write(&cut, &bytes[..length as usize]).unwrap();
-        let Ok(session) = Session::open(&cut) else {
-            assert!(length < ends[0].0, "cut at {length}: cannot be opened");
-            continue;
-        };
-        let strict = session.load(Strictness::Strict).unwrap_err().to_string();
-        assert!(
-            strict.contains("cut") && strict.contains("byte"),
-            "{strict}"
-        );
-        let read = session.load(Strictness::Lenient).unwrap();
-        let n = read.fingers.iter().map(Vec::len).sum::<usize>() + read.events.len();
-        let whole = ends
-            .iter()
-            .rev()
-            .find(|(end, _)| *end <= length)
-            .map_or(0, |e| e.1);
-        assert_eq!(n, whole, "cut at {length}");
-        assert!(read.damage.unfinished);
-    }
-}
-
-#[test]
-fn a_flipped_byte_costs_at_most_the_chunk_it_hits() {
-    let (_folder, path) = temporary();
-    write(&path, 2, &run(4000, 2));
-    let ends = chunk_ends(&path);
-    let largest = ends.windows(2).map(|w| w[1].1 - w[0].1).max().unwrap();
-    let bytes = std::fs::read(&path).unwrap();
-    let broken = path.with_extension("broken");
-    let mut random = 99u64;
-    for _ in 0..150 {
-        random = random
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        let at = ends[0].0 + (random >> 20) % (bytes.len() as u64 - ends[0].0);
-        let mut damaged = bytes.clone();
-        damaged[at as usize] ^= (random >> 8) as u8 | 1;
-        std::fs::write(&broken, &damaged).unwrap();
-        let session = Session::open(&broken).unwrap();
-        let strict = session.load(Strictness::Strict);
-        assert!(strict.is_err(), "a flip at {at} goes unnoticed");
-        let read = session.load(Strictness::Lenient).unwrap();
-        let n = read.fingers.iter().map(Vec::len).sum::<usize>() + read.events.len();
-        assert!(
-            n + largest >= 8001,
-            "a flip at {at} cost {} messages",
-            8001 - n
-        );
-    }
-}
-
-#[test]
-fn no_bytes_make_the_reader_panic() {
-    let (_folder, path) = temporary();
-    write(&path, 2, &run(60, 2));
-    let bytes = std::fs::read(&path).unwrap();
-    let mutant = path.with_extension("mutant");
-    let mut seed = 7u64;
-    let mut random = |below: u64| {
-        seed = seed
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        (seed >> 33) % below
-    };
-    for case in 0..2000 {
-        let mut damaged = bytes.clone();
-        for _ in 0..=random(6) {
-            let at = random(damaged.len() as u64) as usize;
-            match random(6) {
-                0 => damaged[at] = random(256) as u8,
-                1 => damaged[at] ^= 1 << random(8),
-                2 => damaged.truncate(at.max(1)),
-                3 => drop(damaged.drain(at..(at + random(40) as usize).min(damaged.len()))),
-                4 => {
-                    let n = (at + 8).min(damaged.len());
-                    damaged[at..n].fill([0, 0xff, 0x7f][random(3) as usize]);
-                }
-                _ => {
-                    let from = random(damaged.len() as u64) as usize;
-                    let piece = damaged[from..(from + 100).min(damaged.len())].to_vec();
-                    damaged.splice(at..at, piece);
-                }
-            }
-            if damaged.is_empty() {
-                damaged.push(0);
-            }
-        }
-        if case % 2 == 0 {
-            // With checksums off, damage reaches the parsers behind them.
-            clear_chunk_checksums(&mut damaged);
-        }
-        std::fs::write(&mutant, &damaged).unwrap();
-        let Ok(session) = Session::open(&mutant) else {
-            continue;
-        };
-        let _ = session.load(Strictness::Strict);
-        let read = session.load(Strictness::Lenient).unwrap();
-        for finger in &read.fingers {
-            assert!(finger.windows(2).all(|w| w[0].tick < w[1].tick));
-        }
-        let ticks = session.ticks(Strictness::Lenient).unwrap();
-        assert!(
-            ticks
-                .map(Result::unwrap)
-                .all(|t| t.n_fingers == session.header().n_fingers())
-        );
-    }
-}
-
-fn clear_chunk_checksums(bytes: &mut [u8]) {
-    let mut at = 8;
-    while let Some(prefix) = bytes.get(at..at + 9) {
-        let length = u64::from_le_bytes(prefix[1..].try_into().unwrap());
-        if prefix[0] == 6
-            && let Some(crc) = bytes.get_mut(at + 9 + 24..at + 9 + 28)
-        {
-            crc.fill(0);
-        }
-        let Some(next) = at
-            .checked_add(9)
-            .and_then(|a| a.checked_add(length as usize))
-        else {
-            return;
-        };
-        at = next;
-    }
-}
-
-#[test]
-fn what_is_no_session_is_refused_in_one_clear_line() {
-    let (folder, path) = temporary();
-    let message = |p: &Path| {
-        let text = Session::open(p).unwrap_err().to_string();
-        assert!(
-            !text.contains('\n') && text.contains(&*p.to_string_lossy()),
-            "{text}"
-        );
-        text
-    };
-    message(&path);
-    message(folder.path());
-    std::fs::write(&path, "t,x,y,z\n0,1,2,3\n").unwrap();
-    assert!(message(&path).contains("not an MCAP file"));
-    std::fs::write(&path, "").unwrap();
-    message(&path);
-    let mut foreign = mcap::Writer::new(std::fs::File::create(&path).unwrap()).unwrap();
-    foreign.finish().unwrap();
-    assert!(message(&path).contains("recorded by Dorsum"));
 }
 
 #[test]

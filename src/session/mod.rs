@@ -1,6 +1,6 @@
 //! Sessions: how a run is written, read, replayed and checked.
 //!
-//! A session is an MCAP file; the layout is specified in [`format`]. Nothing here names the scenario module: a recording
+//! A session is an MCAP file; the layout is specified in [`mod@format`]. Nothing here names the scenario module: a recording
 //! carries its scenario as text.
 //!
 //! | to do | use |
