@@ -465,6 +465,7 @@ impl Bench {
     pub fn shut_down(&mut self) {
         self.build = None;
         self.opening = None;
+        self.recordings.wait();
         self.live = None;
     }
 

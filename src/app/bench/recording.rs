@@ -7,9 +7,13 @@ use crate::session::recorder::{RecorderHandle, RecorderState};
 use crate::session::{self, DeviceInfo, Header, MeshSource, RecordingSummary, SessionError};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, mpsc};
+use std::time::Duration;
 
 /// Recordings listed.
 const LISTED: usize = 20;
+
+/// Longest wait for the disk on the way out.
+const PATIENCE: Duration = Duration::from_secs(10);
 
 /// What a job of the recorder came to.
 pub enum Done {
@@ -131,6 +135,13 @@ impl Recordings {
     /// Whether a file is being begun, finished or copied.
     pub fn is_busy(&self) -> bool {
         self.job.is_some()
+    }
+
+    /// Waits for the job under way, as long as the recorder itself is patient with a slow disk.
+    pub fn wait(&mut self) {
+        if let Some(job) = self.job.take() {
+            let _ = job.recv_timeout(PATIENCE);
+        }
     }
 
     /// What the job under way came to, once it is done.
