@@ -25,7 +25,7 @@ use recording::{Done, Recordings};
 use replay::{Opening, Replay};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// A finger that moved less than this since the last frame stands still, mm.
 const STILL_MM: f64 = 1e-3;
@@ -41,6 +41,9 @@ const PURPOSE: Use = Use {
     recorded: true,
     plotted: true,
 };
+
+/// Counts are looked at this often.
+const COUNTS: Duration = Duration::from_secs(1);
 
 /// Called when something is new to show.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
@@ -65,17 +68,11 @@ pub struct Bench {
     last_poll: Instant,
     demo: Option<Demo>,
     force_enabled: bool,
-    /// What the last frame showed, to know whether there is anything new.
-    shown: Shown,
-}
-
-/// The part of the state that decides whether a frame is worth drawing.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Shown {
-    told: u64,
-    generation: u64,
-    health: Health,
-    late_ticks: u64,
+    /// Messages told and scene when last looked at, to know whether there is anything new.
+    shown: (u64, u64),
+    /// Health, late ticks and lost records when last looked at, and when that was.
+    counts: (Health, u64, u64),
+    counted: Instant,
 }
 
 impl Bench {
@@ -97,7 +94,9 @@ impl Bench {
             last_poll: Instant::now(),
             demo: None,
             force_enabled: true,
-            shown: Shown::default(),
+            shown: (0, 0),
+            counts: Default::default(),
+            counted: Instant::now(),
         }
     }
 
@@ -179,16 +178,24 @@ impl Bench {
         if let (Some(demo), Some(live), Some(scene)) = (&mut self.demo, &self.live, &self.scene) {
             demo.advance(dt_s, scene, live.hands());
         }
-        let health = self.live.as_ref().map(|l| *l.snapshot());
-        let shown = Shown {
-            told: self.messages.told(),
-            generation: self.generation,
-            health: health.map_or(Health::Stopped, |s| s.health),
-            late_ticks: health.map_or(0, |s| s.timing.late_ticks),
-        };
-        changed |= shown != self.shown;
-        self.shown = shown;
+        changed |= self.anything_told();
+        changed |= now.duration_since(self.counted) >= COUNTS && self.any_count_changed(now);
         changed
+    }
+
+    fn anything_told(&mut self) -> bool {
+        let shown = (self.messages.told(), self.generation);
+        std::mem::replace(&mut self.shown, shown) != shown
+    }
+
+    /// Counts and health of the servo: on a busy machine they change all the time, which is not worth a frame each.
+    fn any_count_changed(&mut self, now: Instant) -> bool {
+        self.counted = now;
+        let counts = self.live.as_ref().map_or_else(Default::default, |live| {
+            let s = live.snapshot();
+            (s.health, s.timing.late_ticks, s.timing.lost_records)
+        });
+        std::mem::replace(&mut self.counts, counts) != counts
     }
 
     fn poll_build(&mut self) -> bool {
