@@ -63,11 +63,10 @@ impl BackView {
         let rect = response.rect;
         let size = pixels::delta(rect.size());
         let local = |p: egui::Pos2| pixels::vec(p) - pixels::vec(rect.min);
+        // Asked for outside `input`: both lock the context.
+        let hover = response.interact_pointer_pos().or(response.hover_pos());
         let hands = ui.input(|i| Hands {
-            hover: response
-                .interact_pointer_pos()
-                .or(response.hover_pos())
-                .map(local),
+            hover: hover.map(local),
             delta: pixels::delta(i.pointer.delta()),
             wheel: f64::from(i.smooth_scroll_delta().y),
             pinch: f64::from(i.zoom_delta()),
