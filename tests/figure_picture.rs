@@ -431,7 +431,7 @@ proptest! {
         corners in prop::collection::vec(prop::array::uniform3(-150.0..150.0_f64), 3..18),
     ) {
         let corners: Vec<Vec3> = corners.into_iter().map(Vec3::from_array).collect();
-        let colour = |i: usize| if i % 2 == 0 { GREEN } else { BLUE };
+        let colour = |i: usize| if i.is_multiple_of(2) { GREEN } else { BLUE };
         let soup = corners
             .chunks_exact(3)
             .enumerate()

@@ -48,7 +48,7 @@ fn checked(svg: &str) -> Vec<String> {
         let end = start + rest[start..].find('>').expect("a tag closes");
         let tag = &rest[start + 1..end];
         assert!(
-            tag.matches('"').count() % 2 == 0 && !tag.contains('<'),
+            tag.matches('"').count().is_multiple_of(2) && !tag.contains('<'),
             "{tag}"
         );
         let name = tag.split_whitespace().next().unwrap_or_default();

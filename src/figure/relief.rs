@@ -92,14 +92,14 @@ fn box_sums(values: &[Sum], width: usize, half: usize) -> Vec<Sum> {
     for (row, out) in values.chunks(width).zip(rows.chunks_mut(width)) {
         let mut sum = Sum::default();
         row.iter().take(half).for_each(|v| sum.add(v));
-        for column in 0..row.len() {
+        for (column, out) in out.iter_mut().enumerate() {
             if let Some(v) = row.get(column + half) {
                 sum.add(v);
             }
             if let Some(v) = column.checked_sub(half + 1) {
                 sum.take(&row[v]);
             }
-            out[column] = sum;
+            *out = sum;
         }
     }
     let mut sums = vec![Sum::default(); width];
