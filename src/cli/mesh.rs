@@ -26,7 +26,7 @@ pub enum MeshCommand {
     /// Write the built-in back as PLY.
     Make {
         /// Number of triangles; the mesh comes as near to it as its filling allows.
-        #[arg(long, default_value_t = 2962, value_parser = clap::value_parser!(u32).range(100..=20_000_000))]
+        #[arg(long, default_value_t = 2962, value_parser = clap::value_parser!(u32).range(back::FEWEST as i64..=back::MOST as i64))]
         triangles: u32,
         /// File to write, ending in .ply.
         #[arg(long, value_name = "FILE")]
@@ -291,9 +291,7 @@ fn make(triangles: u32, out: &Path, ascii: bool, json: bool) -> Result<Outcome, 
             "--out {out}: only PLY is written; end it in .ply"
         )));
     }
-    let raw = back::make(&back::BackOptions {
-        triangles: triangles as usize,
-    });
+    let raw = back::make(&back::BackOptions::with_triangles(triangles as usize));
     let encoding = if ascii {
         ply::PlyEncoding::Ascii
     } else {
