@@ -21,7 +21,7 @@ fn main() {
         "triangles", "fingers", "moved", "plain ns", "offsets ns", "+ normals ns", "frame ms"
     );
     for triangles in [20_389, 500_000, 2_000_000] {
-        let skin = match Surface::new(back::make(&BackOptions { triangles })) {
+        let skin = match Surface::new(back::make(&BackOptions::with_triangles(triangles))) {
             Ok((skin, _)) => skin,
             Err(e) => {
                 println!("{triangles}: {e}");

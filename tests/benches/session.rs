@@ -32,7 +32,7 @@ enum Failed {
 }
 
 fn main() -> Result<(), Failed> {
-    let (surface, _) = Surface::new(back::make(&BackOptions { triangles: 20_389 }))?;
+    let (surface, _) = Surface::new(back::make(&BackOptions::with_triangles(20_389)))?;
     let scene = TouchScene {
         search: Arc::new(Bvh::new(&surface)),
         surface: Arc::new(surface),

@@ -178,7 +178,7 @@ mod tests {
     use crate::surface::{back, back::BackOptions};
 
     fn skin() -> SkinMesh {
-        let raw = back::make(&BackOptions { triangles: 800 });
+        let raw = back::make(&BackOptions::with_triangles(800));
         SkinMesh::new(Arc::new(Surface::new(raw).unwrap().0))
     }
 
