@@ -486,7 +486,7 @@ proptest! {
             let from_middle = [at.x / width as f64 - 0.5, at.y / height as f64 - 0.5];
             fullest = fullest.max(from_middle[0].abs()).max(from_middle[1].abs());
         }
-        prop_assert!(fullest <= 0.5 / 1.05 && fullest >= 0.5 / 1.07, "{}", fullest);
+        prop_assert!((0.5 / 1.07..=0.5 / 1.05).contains(&fullest), "{}", fullest);
     }
 }
 
