@@ -225,3 +225,21 @@ fn open(harness: &mut Window, command: Command) {
     harness.state_mut().apply(&ctx, command);
     harness.run_steps(2);
 }
+
+#[test]
+fn an_idle_bench_wants_no_frames_and_a_touched_one_does() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = workbench(folder.path().to_owned());
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    let frames_wanted = |harness: &Window| {
+        let polls = (0..60).filter(|_| {
+            std::thread::sleep(std::time::Duration::from_millis(10));
+            harness.state().shared().bench().poll()
+        });
+        polls.count()
+    };
+    // A busy machine may make ticks late, which is told once a second.
+    assert!(frames_wanted(&harness) <= 2);
+    press(&mut harness);
+    assert_eq!(frames_wanted(&harness), 60);
+}

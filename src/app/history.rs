@@ -7,6 +7,7 @@
 use crate::contact::Touch;
 use crate::device::MAX_FINGERS;
 use crate::servo::FingerRecord;
+use crate::units::s_from_ns;
 use std::collections::VecDeque;
 
 /// Bins of one level that make one bin of the next.
@@ -15,6 +16,9 @@ pub const FACTOR: u64 = 8;
 pub const LEVELS: usize = 5;
 /// Bins kept per level: 65 s of ticks at 1 kHz on level 0, 70 minutes on level 2.
 pub const CAPACITY: usize = 1 << 16;
+
+/// Longest time without a tick that a line bridges, in ticks: jitter and single lost ticks do not break it.
+const BRIDGED: u64 = 50;
 
 /// What is plotted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -185,7 +189,7 @@ impl History {
         }
     }
 
-    /// Adds a tick of a finger. Values that are not finite leave a gap.
+    /// Adds a tick of a finger at its time since the start. Values that are not finite leave a gap.
     pub fn push(&mut self, record: &FingerRecord) {
         let finger = usize::from(record.finger);
         if finger >= MAX_FINGERS {
@@ -194,16 +198,18 @@ impl History {
         while self.pyramids.len() <= finger {
             self.pyramids.push(Default::default());
         }
+        // By time, not by number: a late servo skips no number.
+        let tick = (s_from_ns(record.time_ns) * self.rate_hz).round() as u64;
         for (channel, pyramid) in Channel::ALL.iter().zip(&mut self.pyramids[finger]) {
             let value = channel.of(record);
             if value.is_finite() {
                 for level in &mut pyramid.levels {
-                    level.add(record.tick, value);
+                    level.add(tick, value);
                 }
             }
         }
-        self.first_tick.get_or_insert(record.tick);
-        self.last_tick = self.last_tick.max(record.tick);
+        self.first_tick.get_or_insert(tick);
+        self.last_tick = self.last_tick.max(tick);
     }
 
     /// Forgets everything.
@@ -244,13 +250,16 @@ impl History {
         let bin_s = level.ticks_per_bin as f64 / self.rate_hz;
         let (first, last) = self.bins_between(level, from_s, to_s);
         let mut run: Vec<[f64; 2]> = Vec::new();
+        let mut empty_ticks = 0;
         for bin in first..last {
             let Some(band) = level.get(bin) else {
-                if !run.is_empty() {
+                empty_ticks += level.ticks_per_bin;
+                if empty_ticks > BRIDGED && !run.is_empty() {
                     runs.push(std::mem::take(&mut run));
                 }
                 continue;
             };
+            empty_ticks = 0;
             let mid = if level.ticks_per_bin == 1 { 0.0 } else { 0.5 };
             let time_s = (bin as f64 + mid) * bin_s;
             // The nearer end first, so that the line zigzags through the band without crossing it twice.
@@ -282,7 +291,11 @@ impl History {
         self.pyramid(finger, channel)?
             .levels
             .iter()
-            .find_map(|level| level.get(tick / level.ticks_per_bin))
+            .find_map(|level| {
+                let bin = tick / level.ticks_per_bin;
+                let earliest = bin.saturating_sub(BRIDGED / level.ticks_per_bin);
+                (earliest..=bin).rev().find_map(|bin| level.get(bin))
+            })
     }
 
     /// Largest value of a channel over all fingers between two times (s); zero when there is none.
@@ -356,6 +369,7 @@ mod tests {
         let mut r = FingerRecord {
             tick,
             finger,
+            time_ns: tick.saturating_mul(1_000_000),
             ..FingerRecord::default()
         };
         r.contact.touch = Touch::Stick;
@@ -431,6 +445,25 @@ mod tests {
                 .collect::<Vec<_>>(),
             [100, 100]
         );
+    }
+
+    #[test]
+    fn a_late_tick_neither_shifts_nor_breaks_the_line() {
+        let mut history = History::new(1000.0);
+        for tick in 0..100 {
+            let mut r = record(tick, 0, tick as f64);
+            // From the 50th on everything is 20.4 ms late, with some jitter.
+            if tick >= 50 {
+                r.time_ns += 20_400_000 + (tick % 3) * 300_000;
+            }
+            history.push(&r);
+        }
+        let runs = history.line(0, Channel::NormalForce, 0.0, 1.0, 1000);
+        assert_eq!(runs.len(), 1);
+        assert_eq!(extremes(&runs), (0.0, 99.0));
+        assert_eq!(history.span_s(), Some((0.0, 0.119)));
+        let at = history.at(0, Channel::NormalForce, 0.06).expect("bridged");
+        assert_eq!(at.max, 49.0);
     }
 
     #[test]

@@ -163,10 +163,10 @@ fn rebuild(
 fn history_of(recording: &Recording) -> History {
     let mut history = History::new(recording.header.rate_hz);
     let firsts = recording.fingers.iter().filter_map(|f| f.first());
-    let start = firsts.map(|r| r.tick).min().unwrap_or(0);
+    let start_ns = firsts.map(|r| r.time_ns).min().unwrap_or(0);
     for record in recording.fingers.iter().flatten() {
         history.push(&FingerRecord {
-            tick: record.tick - start,
+            time_ns: record.time_ns.saturating_sub(start_ns),
             ..*record
         });
     }

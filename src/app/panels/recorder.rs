@@ -192,15 +192,7 @@ fn playback_ui(ui: &mut egui::Ui, cx: &PanelContext<'_>, playback: &PlaybackStat
             icon::ICON_SKIP_NEXT,
             "Step forward",
         );
-        let mut looped = playback.looped;
-        let toggle = ui
-            .selectable_label(looped, icon::ICON_REPEAT.rich_text().size(16.0))
-            .on_hover_text("Start over at the end");
-        named(ui, &toggle, "Loop");
-        if toggle.clicked() {
-            looped = !looped;
-            cx.send.send(Command::SetLooped(looped));
-        }
+        loop_ui(ui, cx, playback.looped);
         speed_ui(ui, cx, playback.speed);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ui.monospace(format!(
@@ -213,6 +205,25 @@ fn playback_ui(ui: &mut egui::Ui, cx: &PanelContext<'_>, playback: &PlaybackStat
     ui.horizontal(|ui| {
         action_button(ui, cx.send, Action::SaveRecordingAs, "Save as…");
     });
+}
+
+fn loop_ui(ui: &mut egui::Ui, cx: &PanelContext<'_>, looped: bool) {
+    let theme = &cx.view.theme;
+    let colour = if looped {
+        theme.accent
+    } else {
+        theme.weak_text
+    };
+    let icon = icon::ICON_REPEAT.rich_text().size(16.0).color(colour);
+    let toggle = ui
+        .add(egui::Button::new(icon).frame(false))
+        .on_hover_text("Start over at the end");
+    toggle.widget_info(|| {
+        egui::WidgetInfo::selected(egui::accesskit::Role::CheckBox, true, looped, "Loop")
+    });
+    if toggle.clicked() {
+        cx.send.send(Command::SetLooped(!looped));
+    }
 }
 
 fn speed_ui(ui: &mut egui::Ui, cx: &PanelContext<'_>, speed: f64) {

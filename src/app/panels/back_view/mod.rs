@@ -125,6 +125,7 @@ impl Panel for BackView {
         self.follow_scene(ui.ctx(), scene, cx.view.scene_generation);
         let Some(skin) = &mut self.skin else { return };
         skin.update(&cx.view.fingers, &self.stage);
+        skin.report(&cx.view.parts, &self.stage);
 
         let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
         response.widget_info(|| {

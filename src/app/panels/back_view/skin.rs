@@ -2,11 +2,13 @@
 
 use super::model;
 use super::stage::SharedStage;
+use crate::app::state::{PartCost, Parts};
 use crate::deform::models::fsmd::Fsmd;
 use crate::deform::{Displacement, Model, Press};
-use crate::scenario::Scene;
+use crate::scenario::{Item, Scene};
 use crate::servo::FingerRecord;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// A scene's skin with the state of its deformation.
 pub struct DrawnSkin {
@@ -15,6 +17,8 @@ pub struct DrawnSkin {
     model: Box<dyn Model>,
     displacement: Displacement,
     presses: Vec<Press>,
+    /// Cost of the last update that had something to do, µs.
+    update_us: Option<f64>,
 }
 
 impl DrawnSkin {
@@ -24,6 +28,7 @@ impl DrawnSkin {
             model: Box::new(Fsmd::new(scene.deform)),
             displacement: Displacement::at_rest(&scene.surface),
             presses: Vec::new(),
+            update_us: None,
             scene,
             generation,
         }
@@ -50,11 +55,32 @@ impl DrawnSkin {
         if !model::differ(&presses, &self.presses) {
             return;
         }
+        let start = Instant::now();
         self.model
             .update(&self.scene.surface, &presses, &mut self.displacement);
+        self.update_us = Some(start.elapsed().as_secs_f64() * 1e6);
         self.presses = presses;
         if let Some(mesh) = &mut stage.lock().mesh {
             mesh.update(&self.displacement);
+        }
+    }
+
+    /// Tells the ledger what the drawn skin holds and costs.
+    pub fn report(&self, parts: &Parts, stage: &SharedStage) {
+        let per_frame = self.update_us.map(|us| (us, "frame"));
+        let deformation = PartCost {
+            bytes: self.displacement.bytes(),
+            cost_us: per_frame,
+        };
+        parts.report(Item::Deformation, deformation);
+        // It shares the offsets of the deformation and its time.
+        parts.report(Item::TangentialField, PartCost::default());
+        if let Some(mesh) = &stage.lock().mesh {
+            let mesh = PartCost {
+                bytes: mesh.bytes(),
+                cost_us: None,
+            };
+            parts.report(Item::GraphicsMesh, mesh);
         }
     }
 }
