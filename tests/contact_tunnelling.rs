@@ -295,6 +295,71 @@ fn into_sharp_creases_the_finger_goes_no_deeper_than_their_bottom() {
     }
 }
 
+/// Both meshes in one, not joined.
+fn together(mut one: RawMesh, other: RawMesh) -> RawMesh {
+    let n = one.positions.len() as u32;
+    one.positions.extend(other.positions);
+    one.triangles
+        .extend(other.triangles.iter().map(|t| t.map(|v| v + n)));
+    one
+}
+
+#[test]
+fn where_bodies_run_into_each_other_the_finger_stays_outside_both() {
+    // Two boxes through each other, a post standing on a plate (a T-junction), two boxes side by side in touch.
+    let v = Vec3::new;
+    let pairs = [
+        [
+            (v(-10.0, -10.0, -10.0), v(10.0, 10.0, 10.0)),
+            (v(-4.0, -15.0, 0.0), v(6.0, 14.0, 16.0)),
+        ],
+        [
+            (v(-15.0, -15.0, -3.0), v(15.0, 15.0, 0.0)),
+            (v(-3.0, -4.0, 0.0), v(4.0, 3.0, 12.0)),
+        ],
+        [
+            (v(-10.0, -10.0, -10.0), v(0.0, 10.0, 10.0)),
+            (v(0.0, -8.0, -10.0), v(10.0, 8.0, 7.0)),
+        ],
+        [
+            (v(-10.0, -10.0, -10.0), v(10.0, 10.0, 10.0)),
+            (v(-3.3, 1.0, 9.0), v(2.0, 5.7, 10.5)),
+        ],
+    ];
+    for (i, boxes) in pairs.into_iter().enumerate() {
+        for friction in [false, true] {
+            let mesh = together(
+                cuboid(boxes[0].0, boxes[0].1),
+                cuboid(boxes[1].0, boxes[1].1),
+            );
+            let scene = scene(mesh, friction);
+            let inside = |p: Vec3| {
+                let depth = |b: &(Vec3, Vec3)| (p - b.0).min(b.1 - p).min_element();
+                depth(&boxes[0]).max(depth(&boxes[1]))
+            };
+            let mut s = Stream(31 + i as u64);
+            let mut hip = v(0.0, 1.0, 20.0);
+            let mut state = free_at(hip);
+            let mut creased = 0;
+            for tick in 0..20_000 {
+                let home = if tick / 400 % 3 == 0 { 25.0 } else { 4.0 };
+                hip = wander(&mut s, hip, hip * (home / hip.length().max(1.0)), 4.0);
+                let c = advance(&scene, &mut state, hip);
+                let what = format!("pair {i}, friction {friction}, tick {tick}, {hip}: {c:?}");
+                sound(&scene.surface, &c, hip, 20.0, &what);
+                let depth = inside(c.anchor_mm);
+                assert!(depth < 1e-9, "{what}: proxy {depth} inside");
+                let edge = c.normal.abs().max_element() < 0.999;
+                creased += usize::from(c.touch != Touch::Free && edge);
+            }
+            assert!(
+                friction || creased > 20,
+                "pair {i}: {creased} rests in creases"
+            );
+        }
+    }
+}
+
 #[test]
 fn one_dash_through_everything_stops_at_the_first_wall() {
     // Far faster than any hand: metres within a tick, through both walls of a box, along the axes and across.

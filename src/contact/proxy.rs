@@ -39,6 +39,7 @@ pub fn advance(scene: &TouchScene, state: &mut ContactState, hip_mm: Vec3) -> Co
     let cone = Cone::of(scene.friction.as_ref());
     let walk = Walk {
         surface: &scene.surface,
+        search: &scene.search,
         hip: hip_mm,
         cone,
         lift: LIFT_ULPS
@@ -121,7 +122,18 @@ fn follow(scene: &TouchScene, walk: &Walk, start: Footing, slipping: bool) -> Op
     let mut here = start;
     let mut slipping = slipping;
     for _ in 0..MAX_LANDINGS {
-        let hit = match walk.run(here.triangle, here.point, slipping) {
+        let outcome = walk.run(here.triangle, here.point, slipping);
+        slipping = false;
+        if let Outcome::Lifts(footing) | Outcome::SlidesOff(footing) = outcome
+            && let Some(face) = against(scene, walk, footing)
+        {
+            here = Footing {
+                triangle: face,
+                ..footing
+            };
+            continue;
+        }
+        let hit = match outcome {
             Outcome::Rests(rest) => return Some(rest),
             Outcome::Lifts(footing) => {
                 let w = witness(scene, walk, footing);
@@ -141,9 +153,18 @@ fn follow(scene: &TouchScene, walk: &Walk, start: Footing, slipping: bool) -> Op
             }
         };
         here = landing(scene, hit?);
-        slipping = false;
     }
     Some(walk.rest_in_plane(here))
+}
+
+/// The triangle of another sheet that a proxy leaving `footing` stands against and would enter.
+fn against(scene: &TouchScene, walk: &Walk, footing: Footing) -> Option<u32> {
+    if !scene.search.is_crossed(footing.triangle) {
+        return None;
+    }
+    let t = footing.triangle;
+    walk.blocker(t, t, footing.point, walk.hip - footing.point)
+        .map(|face| face.triangle)
 }
 
 /// A point just above the triangle of `footing` and a little inside it.

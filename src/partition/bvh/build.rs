@@ -3,7 +3,8 @@
 //! is bounded for any input, coincident triangles included.
 
 use super::{
-    BoxFrame, Bvh, Child, LEAF_TRIANGLES, Node, SPARE_LEVELS, START_BITS, leaf_child, unpack,
+    BoxFrame, Bvh, Child, LEAF_TRIANGLES, Node, SPARE_LEVELS, START_BITS, crossed, leaf_child,
+    unpack,
 };
 use crate::surface::Surface;
 use std::sync::Mutex;
@@ -79,11 +80,15 @@ pub(super) fn build_with(surface: &Surface, threads: usize) -> Bvh {
         subtree(&mut prims, 0, levels, threads, &mut nodes);
     }
     let order: Vec<u32> = prims.iter().map(|p| p.triangle).collect();
-    Bvh {
+    drop(prims);
+    let mut bvh = Bvh {
         frame,
         nodes: nodes.into_boxed_slice(),
         order: order.into_boxed_slice(),
-    }
+        crossed: Box::default(),
+    };
+    bvh.crossed = crossed::crossed(&bvh, surface, threads);
+    bvh
 }
 
 /// The box of a triangle in box units, rounded outward.

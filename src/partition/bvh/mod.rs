@@ -5,6 +5,7 @@
 //! [`brute`](super::brute)'s. About 18 bytes per triangle.
 
 mod build;
+mod crossed;
 mod query;
 mod validate;
 
@@ -114,6 +115,8 @@ pub struct Bvh {
     nodes: Box<[Node]>,
     /// Triangles in the order of the leaves.
     order: Box<[u32]>,
+    /// One bit per triangle: another sheet runs through it or touches it.
+    crossed: Box<[u64]>,
 }
 
 impl Bvh {
@@ -122,6 +125,25 @@ impl Bvh {
     /// At most 2^29 triangles are taken in.
     pub fn new(surface: &Surface) -> Self {
         build::build(surface)
+    }
+
+    /// Whether another sheet of the surface runs through triangle `t` or touches it: only there can a motion along the
+    /// triangle meet another one.
+    pub fn is_crossed(&self, t: u32) -> bool {
+        let word = self.crossed.get(t as usize / 64).unwrap_or(&0);
+        word >> (t % 64) & 1 == 1
+    }
+
+    /// Calls `visit` with every triangle whose box comes within `reach_mm` of `p`, and perhaps some that come near.
+    pub fn around(&self, p: Vec3, reach_mm: f64, mut visit: impl FnMut(u32)) {
+        let q = self.frame.to_box(p);
+        let reach = reach_mm * self.frame.scale_per_mm + self.frame.pad(p);
+        let (low, high) = ((q - reach).to_array(), (q + reach).to_array());
+        query::leaves_in(self, low, high, |start, count| {
+            self.order[start..start + count]
+                .iter()
+                .for_each(|&t| visit(t));
+        });
     }
 }
 
@@ -143,7 +165,7 @@ impl Partition for Bvh {
     }
 
     fn bytes(&self) -> usize {
-        size_of_val(&self.nodes[..]) + size_of_val(&self.order[..])
+        size_of_val(&self.nodes[..]) + size_of_val(&self.order[..]) + size_of_val(&self.crossed[..])
     }
 
     fn validate(&self, surface: &Surface) -> Result<(), String> {

@@ -223,31 +223,40 @@ pub(super) fn sweep(
 }
 
 pub(super) fn in_box(bvh: &Bvh, surface: &Surface, region: &Aabb, out: &mut Vec<u32>) {
-    if bvh.nodes.is_empty() {
-        return;
-    }
     let before = out.len();
     let pad = bvh.frame.pad(region.min).max(bvh.frame.pad(region.max));
     let low = (bvh.frame.to_box(region.min) - pad).to_array();
     let high = (bvh.frame.to_box(region.max) + pad).to_array();
+    leaves_in(bvh, low, high, |start, count| {
+        out.extend(
+            bvh.order[start..start + count]
+                .iter()
+                .filter(|&&t| surface.triangle(t).aabb().overlaps(region)),
+        );
+    });
+    out[before..].sort_unstable();
+}
+
+/// Calls `leaf` with first position and length of every leaf whose box shares a point with the given one, in box units.
+pub(super) fn leaves_in(
+    bvh: &Bvh,
+    low: [f64; 3],
+    high: [f64; 3],
+    mut leaf: impl FnMut(usize, usize),
+) {
     let mut pending = Pending::new();
-    let mut next = Some((0.0, 0));
+    let mut next = (!bvh.nodes.is_empty()).then_some((0.0, 0));
     while let Some((_, child)) = next {
         match unpack(child) {
             Child::Node(node) => {
                 let node = &bvh.nodes[node as usize];
                 pending.push(apart(node, low, high), node.child, 0.5);
             }
-            Child::Leaf(start, count) => out.extend(
-                bvh.order[start..start + count]
-                    .iter()
-                    .filter(|&&t| surface.triangle(t).aabb().overlaps(region)),
-            ),
+            Child::Leaf(start, count) => leaf(start, count),
             Child::None => {}
         }
         next = pending.pop();
     }
-    out[before..].sort_unstable();
 }
 
 /// 0 for the children whose boxes share a point with the given one, 1 for the others.

@@ -253,3 +253,37 @@ fn a_broken_hierarchy_is_told_apart() {
     looped.nodes[0].child[1] = 0;
     assert!(looped.validate(&mesh).is_err());
 }
+
+#[test]
+fn triangles_that_another_sheet_meets_are_marked_and_no_others() {
+    let marked = |mesh: RawMesh| {
+        let mesh = surface(mesh);
+        let bvh = Bvh::new(&mesh);
+        let n = mesh.triangles().len() as u32;
+        (0..n).filter(|&t| bvh.is_crossed(t)).count()
+    };
+    assert_eq!(marked(bench_patch(20_389)), 0);
+    assert_eq!(marked(icosphere(10.0, 3)), 0);
+    let cube = |low: Vec3, high: Vec3| cuboid(low, high);
+    let with = |mut one: RawMesh, other: RawMesh| {
+        let n = one.positions.len() as u32;
+        one.positions.extend(other.positions);
+        one.triangles
+            .extend(other.triangles.iter().map(|t| t.map(|v| v + n)));
+        one
+    };
+    let big = || cube(Vec3::splat(-10.0), Vec3::splat(10.0));
+    // Apart, inside, through, standing on.
+    assert_eq!(
+        marked(with(big(), cube(Vec3::splat(11.0), Vec3::splat(12.0)))),
+        0
+    );
+    assert_eq!(
+        marked(with(big(), cube(Vec3::splat(-9.0), Vec3::splat(9.0)))),
+        0
+    );
+    let through = cube(Vec3::new(-3.0, -2.0, -20.0), Vec3::new(4.0, 5.0, 20.0));
+    assert!(marked(with(big(), through)) >= 10);
+    let on = cube(Vec3::new(-3.0, -2.0, 10.0), Vec3::new(4.0, 5.0, 20.0));
+    assert!(marked(with(big(), on)) >= 8);
+}
