@@ -26,7 +26,7 @@ fn sheet(n: usize, cell_mm: f64, height: impl Fn(f64, f64) -> f64) -> Surface {
                 .push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
         }
     }
-    Surface::new(mesh).unwrap().0
+    Surface::new(mesh).expect("a sound mesh").0
 }
 
 fn hill(n: usize, cell_mm: f64) -> Surface {
@@ -362,7 +362,7 @@ fn normals_are_right_round_a_hub_with_hundreds_of_spokes_and_on_the_rim() {
             .push(Vec3::new(20.0 * phi.cos(), 20.0 * phi.sin(), 0.0));
         mesh.triangles.push([0, 1 + i, 1 + (i + 1) % spokes]);
     }
-    let skin = Surface::new(mesh).unwrap().0;
+    let skin = Surface::new(mesh).expect("a sound mesh").0;
     for vertex in [0, 7] {
         let press = press_at_vertex(&skin, vertex, 6.0, [4.0, 1.0]);
         let out = deformed(&skin, small(), &[press]);
@@ -406,7 +406,7 @@ fn the_other_side_of_a_thin_fold_stays() {
                 .push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
         }
     }
-    let skin = Surface::new(mesh).unwrap().0;
+    let skin = Surface::new(mesh).expect("a sound mesh").0;
     let vertex = at(20, 20);
     let press = press_at_vertex(&skin, vertex, 5.0, [2.0, 0.0]);
     let out = deformed(

@@ -187,7 +187,7 @@ fn a_footprint_smaller_than_its_triangle_finds_nothing_or_the_corner_across_the_
         ],
         triangles: vec![[0, 1, 2], [1, 0, 3]],
     };
-    let skin = Surface::new(mesh).unwrap().0;
+    let skin = Surface::new(mesh).expect("a sound mesh").0;
     let patches = Patches::new(&skin);
     let mut search = RingSearch::default();
     let mut found = |y: f64, radius: f64| {
@@ -230,7 +230,7 @@ fn wheel(spokes: u32) -> Surface {
         mesh.triangles.push([a, a + spokes, b + spokes]);
         mesh.triangles.push([a, b + spokes, b]);
     }
-    Surface::new(mesh).unwrap().0
+    Surface::new(mesh).expect("a sound mesh").0
 }
 
 #[test]

@@ -13,11 +13,11 @@ fn key(x: f64, y: f64, stiffness_n_per_mm: f64) -> StiffnessKey {
 }
 
 fn map(keys: &[StiffnessKey]) -> StiffnessMap {
-    StiffnessMap::new(keys.to_vec(), Fit::Natural).unwrap()
+    StiffnessMap::new(keys.to_vec(), Fit::Natural).expect("keys that are allowed")
 }
 
 fn refusal(keys: &[StiffnessKey]) -> MapError {
-    StiffnessMap::new(keys.to_vec(), Fit::Natural).unwrap_err()
+    StiffnessMap::new(keys.to_vec(), Fit::Natural).expect_err("keys that are not")
 }
 
 /// Keys of a field that is linear in x and y.
@@ -136,7 +136,7 @@ fn a_vertex_gets_the_value_of_its_place_and_threads_change_no_bit() {
                 .push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
         }
     }
-    let skin = Surface::new(mesh).unwrap().0;
+    let skin = Surface::new(mesh).expect("a sound mesh").0;
     let keys: Vec<StiffnessKey> = (0..60)
         .map(|i| {
             let t = f64::from(i);

@@ -116,7 +116,7 @@ impl Curve {
     /// M at the location ratio `q`; a negative one counts as 0.
     #[inline]
     pub fn at(&self, q: f64) -> f64 {
-        if !(q < 1.0) {
+        if q >= 1.0 || q.is_nan() {
             return 0.0;
         }
         let place = q.max(0.0) * self.steps;
@@ -132,8 +132,11 @@ impl Curve {
     }
 }
 
+/// A curve's name and how it is made.
+pub type Named = (&'static str, fn() -> Curve);
+
 /// Every curve, by name.
-pub fn all() -> &'static [(&'static str, fn() -> Curve)] {
+pub fn all() -> &'static [Named] {
     &[
         ("gaussian", Curve::gaussian),
         ("gaussian-printed", || {

@@ -122,8 +122,11 @@ pub trait Model: Send {
     fn update(&mut self, surface: &Surface, presses: &[Press], out: &mut Displacement);
 }
 
-/// Every model, by name, with its defaults.
-pub fn all() -> &'static [(&'static str, fn() -> Box<dyn Model>)] {
+/// A model's name and how it is made with its defaults.
+pub type Named = (&'static str, fn() -> Box<dyn Model>);
+
+/// Every model, by name.
+pub fn all() -> &'static [Named] {
     &[("fsmd", || {
         Box::new(models::fsmd::Fsmd::new(models::fsmd::Settings::default()))
     })]

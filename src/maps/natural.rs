@@ -248,7 +248,8 @@ impl HintGenerator<f64> for GridHint {
         let low = places().fold(Vec2::INFINITY, |m, (_, p)| m.min(p));
         let high = places().fold(Vec2::NEG_INFINITY, |m, (_, p)| m.max(p));
         let span = high - low;
-        if side < 4 || !(span.min_element() > 0.0) {
+        let flat = span.x <= 0.0 || span.y <= 0.0;
+        if side < 4 || flat || !span.is_finite() {
             return Self::default();
         }
         let mut grid = Self {
@@ -265,10 +266,12 @@ impl HintGenerator<f64> for GridHint {
             grid.nearby[at] = vertex;
             filled[at] = true;
         }
-        for at in 1..side * side {
-            if !filled[at] {
-                grid.nearby[at] = grid.nearby[at - 1];
+        let mut last = FixedVertexHandle::from_index(0);
+        for (vertex, filled) in grid.nearby.iter_mut().zip(filled) {
+            if filled {
+                last = *vertex;
             }
+            *vertex = last;
         }
         grid
     }

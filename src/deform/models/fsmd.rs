@@ -275,10 +275,13 @@ impl Fsmd {
 fn write(vertices: &[u32], out: &mut Displacement, offset: impl Fn(usize, u32) -> Vec3) -> u64 {
     let (mut changed, mut still) = (0, 0);
     for (i, &v) in vertices.iter().enumerate() {
-        let offset = offset(i, v);
+        // Adding 0 turns −0 into 0, so that bits may be compared: no branch on each component.
+        let offset = offset(i, v) + Vec3::ZERO;
         let held = &mut out.offsets_mm[v as usize];
-        changed |= u64::from(*held != offset) << i;
-        still |= u64::from(offset == Vec3::ZERO) << i;
+        let [x, y, z] = offset.to_array().map(f64::to_bits);
+        let [hx, hy, hz] = held.to_array().map(f64::to_bits);
+        changed |= u64::from((x ^ hx) | (y ^ hy) | (z ^ hz) != 0) << i;
+        still |= u64::from(x | y | z == 0) << i;
         *held = offset;
     }
     if still == 0 {
