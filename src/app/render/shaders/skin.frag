@@ -64,9 +64,10 @@ void main() {
     float open = v_shade.x;
     float hollow = smoothstep(0.5, 0.0, open);
     float ridge = smoothstep(0.5, 1.0, open);
-    float dent = smoothstep(0.0, 0.8, v_dent);
-    float ambient_open = (1.0 - 0.62 * hollow + 0.10 * ridge) * (1.0 - 0.30 * dent);
-    float key_open = (1.0 - 0.26 * hollow + 0.05 * ridge) * (1.0 - 0.10 * dent);
+    // The first millimetres show most: a light press must be seen at a glance.
+    float dent = 1.0 - exp(-3.2 * max(v_dent, 0.0));
+    float ambient_open = (1.0 - 0.62 * hollow + 0.10 * ridge) * (1.0 - 0.36 * dent);
+    float key_open = (1.0 - 0.26 * hollow + 0.05 * ridge) * (1.0 - 0.17 * dent);
 
     for (int i = 0; i < 4; i++) {
         if (i >= u_n_fingers) break;
