@@ -14,7 +14,7 @@ const APP_ID: &str = "dorsum";
 #[derive(Clone, Debug)]
 pub struct Options {
     /// The scenario; `None` opens the default example.
-    pub scenario: Option<PathBuf>,
+    pub source: Option<Source>,
     /// A recording to replay at once.
     pub recording: Option<PathBuf>,
     /// When the program started.
@@ -46,7 +46,7 @@ impl Default for Options {
     /// The default example at 1280×800.
     fn default() -> Self {
         Self {
-            scenario: None,
+            source: None,
             recording: None,
             started: Instant::now(),
             first_frame: false,
@@ -73,10 +73,10 @@ fn recordings_folder() -> PathBuf {
 /// One line: no display, a missing library, no OpenGL, or a picture that cannot be written.
 pub fn run(options: Options) -> Result<(), String> {
     super::libraries::can_open()?;
-    let source = match &options.scenario {
-        Some(path) => Source::File(path.clone()),
-        None => Source::Example(scenario::default_example()),
-    };
+    let source = options
+        .source
+        .clone()
+        .unwrap_or_else(|| Source::Example(scenario::default_example()));
     let start = Start {
         source: Some(source),
         recording: options.recording.clone(),

@@ -30,5 +30,6 @@ pub mod state;
 pub mod theme;
 pub mod widgets;
 
+pub use bench::Source;
 pub use launch::{Options, Screenshot, run};
 pub use libraries::can_open;

@@ -3,32 +3,37 @@
 use super::CliError;
 use crate::geom::Vec3;
 use crate::partition::{Partition as _, Sides};
-use crate::scenario::{self, Scenario, Scene, Use};
+use crate::scenario::{self, Example, Scenario, Scene, Use};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
 use std::sync::Arc;
 
+/// The embedded example called `name`, unless there is a file of that name.
+pub(super) fn example(name: &str) -> Option<Example> {
+    let called = |e: &&Example| e.file == name || e.file.strip_suffix(".toml") == Some(name);
+    scenario::examples()
+        .iter()
+        .find(called)
+        .copied()
+        .filter(|_| !Path::new(name).exists())
+}
+
 /// The scenario in the file `name`, or the embedded example of that name.
 pub(super) fn load_scenario(name: &str) -> Result<Scenario, CliError> {
-    let path = Path::new(name);
-    let embedded = scenario::examples()
-        .iter()
-        .find(|e| e.file == name || e.file.strip_suffix(".toml") == Some(name));
-    match embedded {
-        Some(example) if !path.exists() => {
-            Scenario::parse(example.text, example.file, None).map_err(CliError::input)
-        }
-        _ => Scenario::load(path).map_err(|e| {
-            if path.exists() {
-                return CliError::input(e);
-            }
-            let names: Vec<_> = scenario::examples().iter().map(|e| e.file).collect();
-            CliError::input(format!(
-                "{e}; give a scenario file or one of the examples {}",
-                names.join(", ")
-            ))
-        }),
+    if let Some(example) = example(name) {
+        return Scenario::parse(example.text, example.file, None).map_err(CliError::input);
     }
+    let path = Path::new(name);
+    Scenario::load(path).map_err(|e| {
+        if path.exists() {
+            return CliError::input(e);
+        }
+        let names: Vec<_> = scenario::examples().iter().map(|e| e.file).collect();
+        CliError::input(format!(
+            "{e}; give a scenario file or one of the examples {}",
+            names.join(", ")
+        ))
+    })
 }
 
 /// Builds a scene, with a progress bar on a terminal.

@@ -4,11 +4,13 @@
 //! names the cause and the remedy. With `--json` one JSON document stands on stdout and nothing else.
 
 mod common;
+mod headless;
 mod mesh;
 mod replay;
 mod run;
 mod scene;
 mod summary;
+mod workbench;
 
 use clap::{Parser, Subcommand};
 use std::fmt;
@@ -43,11 +45,19 @@ impl fmt::Display for CliError {
 
 /// Palpate a virtual back, record, replay, compare. Without a subcommand: opens the workbench.
 #[derive(Debug, Parser)]
-#[command(name = "dorsum", version, about, max_term_width = 110)]
+#[command(
+    name = "dorsum",
+    version,
+    about,
+    max_term_width = 110,
+    args_conflicts_with_subcommands = true
+)]
 struct Arguments {
     /// Print one JSON document on stdout and nothing else.
     #[arg(long, global = true)]
     json: bool,
+    #[command(flatten)]
+    workbench: workbench::WorkbenchArgs,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -94,7 +104,7 @@ pub fn main() -> u8 {
     };
     let json = arguments.json;
     let outcome = match &arguments.command {
-        None => Ok(Outcome::Done),
+        None => workbench::run(&arguments.workbench, json),
         Some(Command::Run(args)) => run::run(args, json),
         Some(Command::Replay(args)) => replay::run(args, json),
         Some(Command::Scene(args)) => scene::run(args, json),

@@ -22,12 +22,7 @@ pub struct RunArgs {
     /// Scenario file, or the name of an example.
     scenario: String,
     /// Motion of the fingers: CSV with columns t,x,y,z[,finger] in s and mm.
-    #[arg(
-        long,
-        value_name = "TRAJ.csv",
-        conflicts_with = "script",
-        required_unless_present = "script"
-    )]
+    #[arg(long, value_name = "TRAJ.csv", conflicts_with = "script")]
     path: Option<PathBuf>,
     /// Motion by name: press, slide, circle, spiral or tap.
     #[arg(long, value_name = "NAME", value_parser = script_by_name)]

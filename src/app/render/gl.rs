@@ -1,7 +1,7 @@
 //! The few OpenGL helpers that every drawing file shares.
 //!
 //! Works with OpenGL 3.3 core and OpenGL ES 3.0: one shader text, with the header of whichever the context is.
-#![allow(unsafe_code)] // OpenGL is a C interface: every call is unsafe. All of them are made with the context current.
+#![allow(unsafe_code, reason = "OpenGL calls are unsafe by signature")] // OpenGL is a C interface: every call is unsafe. All of them are made with the context current.
 
 use eframe::glow::{self, HasContext as _};
 

@@ -13,7 +13,7 @@
 //!
 //! The window hands in a [`Picture`] (a plain value) and a [`mesh::SkinMesh`]; [`Renderer::paint`] draws them into a
 //! texture of its own when either changed and puts that texture onto the window.
-#![allow(unsafe_code)] // OpenGL is a C interface; see `gl`.
+#![allow(unsafe_code, reason = "OpenGL calls are unsafe by signature")] // OpenGL is a C interface; see `gl`.
 
 pub mod arrow;
 mod gl;

@@ -1,5 +1,5 @@
 //! The skin's buffers on the graphics card, and its drawing: shaded surface and wire overlay.
-#![allow(unsafe_code)] // OpenGL is a C interface; see `gl`.
+#![allow(unsafe_code, reason = "OpenGL calls are unsafe by signature")] // OpenGL is a C interface; see `gl`.
 
 use super::Picture;
 use super::gl::{Program, VertexArray, attribute};

@@ -1,6 +1,6 @@
 //! The picture's own framebuffer: multisampled where the driver can, resolved into a texture that is kept, so that a
 //! window repainted for another reason does not draw the skin anew.
-#![allow(unsafe_code)] // OpenGL is a C interface; see `gl`.
+#![allow(unsafe_code, reason = "OpenGL calls are unsafe by signature")] // OpenGL is a C interface; see `gl`.
 
 use eframe::glow::{self, HasContext as _};
 

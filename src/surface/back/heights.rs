@@ -43,8 +43,8 @@ const FWHM_OVER_SD: f64 = 2.354_820_045_030_949;
 /// Beyond this many standard deviations a bump is below 1e-6 of its height and left out.
 const BUMP_REACH: f64 = 5.3;
 
-/// Width of a spinous process at half height, mm.
-const SPINOUS_WIDTH_MM: f64 = 5.0;
+/// Half the width of a spinous process at half height, mm: skin and fat over it spread its edge.
+const SPINOUS_HALF_WIDTH_MM: f64 = 5.0;
 /// Its length as a share of the spacing of the levels.
 const SPINOUS_LENGTH: f64 = 0.42;
 /// Place and width of the dimples over the posterior superior iliac spines, mm.
@@ -74,7 +74,7 @@ impl Heights {
                 x_mm: 0.0,
                 y_mm: levels.spinous_y_mm[i],
                 height_mm,
-                across_mm: SPINOUS_WIDTH_MM / FWHM_OVER_SD,
+                across_mm: 2.0 * SPINOUS_HALF_WIDTH_MM / FWHM_OVER_SD,
                 along_mm: SPINOUS_LENGTH * spacing_mm / FWHM_OVER_SD,
             });
         }

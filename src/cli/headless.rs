@@ -1,0 +1,201 @@
+//! The main job without a window: a scripted finger palpates the back, the session is recorded, replayed bit by bit, and
+//! shown in a plot and a picture.
+
+use super::common::{build_scene, default_place, load_scenario};
+use super::run::{Plan, script_over};
+use super::summary::Summary;
+use super::workbench::WorkbenchArgs;
+use super::{CliError, Outcome, print, print_json};
+use crate::contact::{Contact, Touch};
+use crate::deform::{Displacement, Model as _, Press, models::fsmd::Fsmd};
+use crate::device::scripted::Script;
+use crate::figure::{self, Ball, Camera, LinePlot, Picture, Series};
+use crate::geom::Vec3;
+use crate::scenario::{self, Scene, Use};
+use crate::servo::{FingerRecord, Rig};
+use crate::session::{IfExists, Session, Strictness, check};
+use std::path::{Path, PathBuf};
+
+/// How deep the finger presses, mm.
+const DEPTH_MM: f64 = 8.0;
+/// Radius of the drawn fingertip, mm.
+const FINGERTIP_MM: f64 = 8.0;
+
+#[derive(serde::Serialize)]
+struct Printed<'a> {
+    scenario: &'a str,
+    summary: Summary,
+    bit_exact: bool,
+    session: PathBuf,
+    plot: PathBuf,
+    picture: PathBuf,
+}
+
+/// Does the main job and says where its results are.
+///
+/// # Errors
+/// The scenario is refused or the folder cannot be written.
+pub fn run(args: &WorkbenchArgs, json: bool) -> Result<Outcome, CliError> {
+    let name = args
+        .scenario
+        .as_deref()
+        .unwrap_or(scenario::default_example().file);
+    let purpose = Use {
+        fingers: 1,
+        deformed: true,
+        recorded: true,
+        ..Use::default()
+    };
+    let scene = build_scene(load_scenario(name)?, purpose)?;
+    let folder = match &args.out {
+        Some(folder) => folder.clone(),
+        None => data_folder()?,
+    };
+    let failed = |e: std::io::Error| CliError::input(format!("{}: {e}", folder.display()));
+    std::fs::create_dir_all(&folder).map_err(failed)?;
+    let session_path = unused(&folder, "palpation", "mcap");
+
+    let script = script_over(&scene, Script::Slide, default_place(&scene), DEPTH_MM);
+    let plan = Plan {
+        rate_hz: 1000.0,
+        trajectories: vec![script],
+    };
+    let (summary, lost) = plan.run_live(&scene, Some((&session_path, IfExists::Refuse)))?;
+
+    let session = Session::open(&session_path).map_err(CliError::input)?;
+    let rig = Rig::new(Box::new(scene.touch.clone()), session.header().limits());
+    let report = check(&session, rig, Strictness::Strict).map_err(CliError::input)?;
+    let recording = session.load(Strictness::Strict).map_err(CliError::input)?;
+    let records = recording.fingers.first().map_or(&[][..], |f| &f[..]);
+
+    let plot = session_path.with_extension("svg");
+    figure::write_svg(&plot, &plots(records)).map_err(failed)?;
+    let picture = session_path.with_extension("png");
+    let deepest = records
+        .iter()
+        .map(|r| &r.contact)
+        .max_by(|a, b| a.depth_mm.total_cmp(&b.depth_mm));
+    write_picture(&scene, deepest, &picture).map_err(failed)?;
+
+    let printed = Printed {
+        scenario: &scene.scenario.name,
+        summary,
+        bit_exact: report.is_bit_exact() && lost == 0,
+        session: session_path,
+        plot,
+        picture,
+    };
+    if json {
+        print_json(&printed)?;
+    } else {
+        print(format_args!(
+            "{} · palpated by a scripted finger",
+            printed.scenario
+        ));
+        print(&printed.summary);
+        match &report.first_difference {
+            None => print(format_args!(
+                "replay        bit-exact, {} ticks",
+                report.ticks
+            )),
+            Some(first) => print(format_args!("replay        differs: {first}")),
+        }
+        print(format_args!("session       {}", printed.session.display()));
+        print(format_args!("force plot    {}", printed.plot.display()));
+        print(format_args!("picture       {}", printed.picture.display()));
+    }
+    Ok(if printed.bit_exact {
+        Outcome::Done
+    } else {
+        Outcome::DoesNotHold
+    })
+}
+
+/// Where the user's system keeps a program's data.
+fn data_folder() -> Result<PathBuf, CliError> {
+    directories::ProjectDirs::from("", "", "dorsum")
+        .map(|dirs| dirs.data_dir().join("headless"))
+        .ok_or_else(|| {
+            CliError::input("the system names no folder for user data; say where with --out DIR")
+        })
+}
+
+/// The first of name-1, name-2, … that is not there yet.
+fn unused(folder: &Path, name: &str, extension: &str) -> PathBuf {
+    let numbered = |i: u32| folder.join(format!("{name}-{i}.{extension}"));
+    (1..)
+        .map(numbered)
+        .find(|p| !p.exists())
+        .unwrap_or_else(|| numbered(0))
+}
+
+fn plots(records: &[FingerRecord]) -> Vec<LinePlot> {
+    let start_ns = records.first().map_or(0, |r| r.time_ns);
+    let series = |name: &str, colour: [u8; 3], value: fn(&Contact, Vec3) -> f64| Series {
+        name: name.into(),
+        colour,
+        points: records
+            .iter()
+            .map(|r| {
+                [
+                    crate::units::s_from_ns(r.time_ns - start_ns),
+                    value(&r.contact, r.sent_force_n),
+                ]
+            })
+            .collect(),
+    };
+    let normal = |c: &Contact, f: Vec3| f.dot(c.normal);
+    let tangential = |c: &Contact, f: Vec3| (f - c.normal * f.dot(c.normal)).length();
+    let grey = [120, 124, 130];
+    vec![
+        LinePlot {
+            title: "Force on the finger".into(),
+            x_label: "time (s)".into(),
+            y_label: "force (N)".into(),
+            series: vec![
+                series("normal", figure::LEFT, normal),
+                series("tangential", grey, tangential),
+            ],
+        },
+        LinePlot {
+            title: "Penetration".into(),
+            x_label: "time (s)".into(),
+            y_label: "depth (mm)".into(),
+            series: vec![series("depth", figure::LEFT, |c, _| c.depth_mm)],
+        },
+    ]
+}
+
+/// The skin under the press, with the fingertip resting on it.
+fn write_picture(scene: &Scene, contact: Option<&Contact>, path: &Path) -> std::io::Result<()> {
+    let surface = &scene.surface;
+    let mut skin = Displacement::at_rest(surface);
+    let mut balls = Vec::new();
+    if let Some(contact) = contact.filter(|c| c.touch != Touch::Free) {
+        let press: Vec<Press> = Press::of(contact).into_iter().collect();
+        Fsmd::new(scene.deform).update(surface, &press, &mut skin);
+        let on_skin = skin.carried_point(surface, contact.triangle, contact.anchor_mm);
+        let centre_mm = on_skin + contact.normal * FINGERTIP_MM;
+        balls.push(Ball {
+            centre_mm,
+            radius_mm: FINGERTIP_MM,
+            colour: figure::LEFT,
+        });
+    }
+    let positions: Vec<Vec3> = (0..surface.positions().len() as u32)
+        .map(|v| skin.position(surface, v))
+        .collect();
+    let (width, height) = (900, 1100);
+    let direction = Vec3::new(0.45, 0.12, 1.0);
+    let picture = Picture {
+        positions: &positions,
+        normals: &skin.normals,
+        triangles: surface.triangles(),
+        colours: None,
+        balls: &balls,
+        camera: Camera::framing(&surface.bounds(), direction, width as f64 / height as f64),
+        width,
+        height,
+    };
+    picture.render().write_png(path)
+}

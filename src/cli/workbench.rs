@@ -1,0 +1,121 @@
+//! `dorsum` without a subcommand: opens the workbench, or does the main job where no window can be opened.
+
+use super::headless;
+use super::{CliError, Outcome};
+use std::path::PathBuf;
+
+/// What to open and how.
+#[derive(Debug, clap::Args)]
+pub struct WorkbenchArgs {
+    /// Scenario to open: a file, or the name of an example.
+    #[arg(long)]
+    pub(super) scenario: Option<String>,
+    /// Do the main job without a window: palpate, record, replay, write pictures.
+    #[arg(long)]
+    headless: bool,
+    /// Folder for what the headless job writes; otherwise the user's data folder.
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Print the time from start to the first frame and leave.
+    #[arg(long)]
+    first_frame: bool,
+    /// Write a picture of the window once it is up, and leave.
+    #[arg(long, value_name = "FILE.png")]
+    screenshot: Option<PathBuf>,
+    /// Let the fingers press by themselves.
+    #[arg(long)]
+    press: bool,
+    /// With --screenshot: how long the scene is on show before, s.
+    #[arg(long, value_name = "S", default_value_t = 3.0)]
+    after_s: f64,
+    /// Bring this panel to the front (its key, such as "scene").
+    #[arg(long, value_name = "PANEL")]
+    panel: Option<String>,
+    /// A recording to replay at once.
+    #[arg(long, value_name = "FILE.mcap")]
+    recording: Option<PathBuf>,
+    /// Colours of the window; otherwise as chosen last.
+    #[arg(long, value_enum)]
+    theme: Option<Theme>,
+    /// Size of the window, points.
+    #[arg(long, value_name = "WxH", default_value = "1280x800", value_parser = size)]
+    size: (u16, u16),
+}
+
+/// Colours of the window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Theme {
+    Dark,
+    Light,
+}
+
+fn size(text: &str) -> Result<(u16, u16), String> {
+    let numbers = text
+        .split_once('x')
+        .and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    numbers
+        .filter(|&(w, h): &(u16, u16)| (640..=7680).contains(&w) && (420..=4320).contains(&h))
+        .ok_or_else(|| "two numbers from 640x420 to 7680x4320 are allowed".into())
+}
+
+/// Opens the workbench; without a display does the main job headless and says why.
+///
+/// # Errors
+/// The scenario is refused, or the window or the headless job fails.
+pub fn run(args: &WorkbenchArgs, json: bool) -> Result<Outcome, CliError> {
+    if args.headless {
+        return headless::run(args, json);
+    }
+    match open(args) {
+        Ok(outcome) => outcome,
+        Err(reason) if args.first_frame || args.screenshot.is_some() => {
+            Err(CliError::input(reason))
+        }
+        Err(reason) => {
+            eprintln!("dorsum: {reason}; doing the main job without a window");
+            headless::run(args, json)
+        }
+    }
+}
+
+/// Opens the window. The outer error says why none can be opened at all.
+#[cfg(feature = "gui")]
+fn open(args: &WorkbenchArgs) -> Result<Result<Outcome, CliError>, String> {
+    crate::app::can_open()?;
+    let options = match options(args) {
+        Ok(options) => options,
+        Err(e) => return Ok(Err(e)),
+    };
+    Ok(crate::app::run(options)
+        .map(|()| Outcome::Done)
+        .map_err(CliError::input))
+}
+
+#[cfg(feature = "gui")]
+fn options(args: &WorkbenchArgs) -> Result<crate::app::Options, CliError> {
+    use crate::app::{Options, Screenshot, Source};
+    let source = |name: &String| match super::common::example(name) {
+        Some(example) => Ok(Source::Example(example)),
+        // Refused here, a bad scenario is told in one line instead of in a window.
+        None => super::common::load_scenario(name).map(|_| Source::File(name.into())),
+    };
+    Ok(Options {
+        source: args.scenario.as_ref().map(source).transpose()?,
+        first_frame: args.first_frame,
+        screenshot: args.screenshot.clone().map(|path| Screenshot {
+            path,
+            after_s: args.after_s,
+        }),
+        press: args.press,
+        dark: args.theme.map(|theme| theme == Theme::Dark),
+        panel: args.panel.clone(),
+        size: args.size,
+        recording: args.recording.clone(),
+        ..Options::default()
+    })
+}
+
+#[cfg(not(feature = "gui"))]
+fn open(_args: &WorkbenchArgs) -> Result<Result<Outcome, CliError>, String> {
+    Err("this build has no window (feature \"gui\" is off)".into())
+}

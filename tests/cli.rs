@@ -1,0 +1,270 @@
+//! The command line as a user meets it: exit codes, one-line errors, JSON, files.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn dorsum(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_dorsum"))
+        .args(arguments)
+        .current_dir(folder)
+        .env("XDG_DATA_HOME", folder.join("data"))
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .output()
+        .expect("the program starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("UTF-8")
+}
+
+fn json(output: &Output) -> Value {
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("stdout is one JSON document and nothing else")
+}
+
+fn assert_refused(folder: &Path, arguments: &[&str], told: &str) {
+    let output = dorsum(folder, arguments);
+    let error = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
+    assert_eq!(
+        error.trim_end().lines().count(),
+        1,
+        "{arguments:?}: {error}"
+    );
+    assert!(
+        error.contains(told),
+        "{arguments:?} gave {error:?}, wanted {told:?}"
+    );
+    assert!(output.stdout.is_empty());
+}
+
+const EXAMPLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/scenarios/FIRST.toml");
+
+#[test]
+fn a_recorded_run_replays_bit_exactly() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = dorsum(
+        folder.path(),
+        &[
+            "run", EXAMPLE, "--script", "slide", "--record", "a.mcap", "--fast", "--json",
+        ],
+    );
+    let run = json(&run);
+    assert!(
+        run["summary"]["peak_force_n"].as_f64().expect("a number") > 0.5,
+        "{run}"
+    );
+    assert!(
+        run["summary"]["slip_s"].as_f64().expect("a number") > 0.1,
+        "{run}"
+    );
+    assert_eq!(run["lost_ticks"], 0);
+    let replay = dorsum(folder.path(), &["replay", "a.mcap", "--check"]);
+    assert!(replay.status.success(), "{}", text(&replay.stderr));
+    assert!(
+        text(&replay.stdout).contains("bit-exact"),
+        "{}",
+        text(&replay.stdout)
+    );
+    json(&dorsum(
+        folder.path(),
+        &["replay", "a.mcap", "--check", "--json"],
+    ));
+}
+
+#[test]
+fn a_run_in_real_time_loses_no_tick_and_replays_bit_exactly() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = json(&dorsum(
+        folder.path(),
+        &[
+            "run",
+            "frictionless",
+            "--script",
+            "press",
+            "--record",
+            "a.mcap",
+            "--json",
+        ],
+    ));
+    assert_eq!(run["lost_ticks"], 0);
+    assert_eq!(run["real_time"], true);
+    assert!(run["summary"]["ticks"].as_u64().expect("a count") >= 2000);
+    let replay = dorsum(folder.path(), &["replay", "a.mcap", "--check"]);
+    assert!(
+        replay.status.success(),
+        "{}{}",
+        text(&replay.stdout),
+        text(&replay.stderr)
+    );
+}
+
+#[test]
+fn another_stiffness_fails_the_check_with_exit_code_1_and_says_where() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = std::fs::read_to_string(EXAMPLE)
+        .expect("the example")
+        .replace("= 1.05", "= 1.0500001");
+    std::fs::write(folder.path().join("other.toml"), scenario).expect("written");
+    let run = dorsum(
+        folder.path(),
+        &[
+            "run", EXAMPLE, "--script", "press", "--at", "4,281", "--record", "a.mcap", "--fast",
+        ],
+    );
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    let replay = dorsum(
+        folder.path(),
+        &["replay", "a.mcap", "--check", "--scenario", "other.toml"],
+    );
+    assert_eq!(
+        replay.status.code(),
+        Some(1),
+        "{}{}",
+        text(&replay.stdout),
+        text(&replay.stderr)
+    );
+    let told = text(&replay.stdout);
+    assert!(
+        told.contains("tick") && told.contains("stiffness"),
+        "{told}"
+    );
+}
+
+#[test]
+fn two_fingers_of_a_trajectory_are_both_felt() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut csv = String::from("t,x,y,z,finger\n");
+    for (t, z) in [(0.0, 140.0), (0.4, 95.0), (0.8, 140.0)] {
+        csv += &format!("{t},-30,260,{z},0\n{t},30,260,{z},1\n");
+    }
+    std::fs::write(folder.path().join("two.csv"), csv).expect("written");
+    let run = json(&dorsum(
+        folder.path(),
+        &["run", EXAMPLE, "--path", "two.csv", "--fast", "--json"],
+    ));
+    assert_eq!(run["summary"]["fingers"], 2);
+    assert!(
+        run["summary"]["max_depth_mm"].as_f64().expect("a number") > 5.0,
+        "{run}"
+    );
+}
+
+#[test]
+fn the_ledger_leaves_out_what_a_frictionless_scene_does_not_need() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let ledger = json(&dorsum(folder.path(), &["scene", "frictionless", "--json"]));
+    let rows = ledger["ledger"].as_array().expect("rows");
+    for row in rows {
+        let built = ["Surface and adjacency", "Search structure"]
+            .contains(&row["item"].as_str().expect("a name"));
+        assert_eq!(row["built"], built, "{row}");
+        assert_eq!(row["bytes"].as_u64().expect("a count") > 0, built, "{row}");
+    }
+}
+
+#[test]
+fn without_a_display_the_main_job_is_done_and_its_files_are_there() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = dorsum(folder.path(), &["--out", "made"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(
+        text(&output.stderr).contains("no display"),
+        "{}",
+        text(&output.stderr)
+    );
+    assert!(
+        text(&output.stdout).contains("bit-exact"),
+        "{}",
+        text(&output.stdout)
+    );
+    for ending in ["mcap", "svg", "png"] {
+        let files = std::fs::read_dir(folder.path().join("made")).expect("a folder");
+        let sizes = files
+            .map(|f| f.expect("entry"))
+            .filter(|f| f.path().extension().is_some_and(|e| e == ending))
+            .map(|f| f.metadata().expect("metadata").len());
+        assert!(
+            sizes.max().unwrap_or(0) > 5_000,
+            "no .{ending} worth the name"
+        );
+    }
+}
+
+#[test]
+fn bad_usage_and_bad_input_are_one_line_and_exit_code_2() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("bad.toml"), "format = 1\nname = \"x\"\n[surface]\nbuiltin = \"front\"\n[stiffness]\nconstant_n_per_mm = 1\n")
+        .expect("written");
+    std::fs::write(folder.path().join("bad.csv"), "t,x,y,z\n0,0,0,none\n").expect("written");
+    std::fs::write(folder.path().join("bad.mcap"), "not a session").expect("written");
+    let folder = folder.path();
+    assert_refused(folder, &["dance"], "dance");
+    assert_refused(folder, &["run"], "required");
+    assert_refused(folder, &["run", EXAMPLE], "--script");
+    assert_refused(
+        folder,
+        &["run", EXAMPLE, "--script", "dance"],
+        "allowed are press",
+    );
+    assert_refused(
+        folder,
+        &["run", EXAMPLE, "--script", "press", "--depth", "NaN"],
+        "0 to 100 mm",
+    );
+    assert_refused(
+        folder,
+        &["run", EXAMPLE, "--script", "press", "--rate", "5"],
+        "100 to 10000 Hz",
+    );
+    assert_refused(
+        folder,
+        &["run", EXAMPLE, "--script", "press", "--at", "1;2"],
+        "two numbers",
+    );
+    assert_refused(
+        folder,
+        &["run", "missing.toml", "--script", "press"],
+        "missing.toml",
+    );
+    assert_refused(
+        folder,
+        &["run", "bad.toml", "--script", "press"],
+        "bad.toml: line 4: builtin",
+    );
+    assert_refused(
+        folder,
+        &["run", EXAMPLE, "--path", "bad.csv"],
+        "bad.csv: line 2: z = \"none\"",
+    );
+    assert_refused(
+        folder,
+        &[
+            "run",
+            EXAMPLE,
+            "--script",
+            "press",
+            "--record",
+            "no/folder/a.mcap",
+            "--fast",
+        ],
+        "no/folder",
+    );
+    assert_refused(
+        folder,
+        &[
+            "run", EXAMPLE, "--script", "press", "--record", "bad.mcap", "--fast",
+        ],
+        "already there",
+    );
+    assert_refused(folder, &["replay", "bad.mcap"], "bad.mcap");
+    assert_refused(folder, &["replay", "missing.mcap"], "missing.mcap");
+    assert_refused(folder, &["scene", "bad.toml"], "line 4");
+    assert_refused(folder, &["mesh", "info", "missing.obj"], "missing.obj");
+    assert_eq!(
+        std::fs::read(folder.join("bad.mcap")).expect("still there"),
+        b"not a session"
+    );
+}
