@@ -43,6 +43,47 @@ fn the_sizes_of_the_published_tables_are_met_exactly() {
 }
 
 #[test]
+fn the_large_sizes_are_met_too() {
+    for wanted in [500_000, 2_000_000] {
+        let made = back::make(&BackOptions::with_triangles(wanted))
+            .triangles
+            .len();
+        let off = (made as f64 - wanted as f64).abs() / wanted as f64;
+        assert!(off <= 0.01, "{wanted} asked for, {made} made");
+    }
+}
+
+#[test]
+fn the_rim_is_one_closed_loop_and_every_triangle_faces_out() {
+    for wanted in [200, 333, 2_962, 41_582] {
+        let (surface, _) =
+            Surface::new(back::make(&BackOptions::with_triangles(wanted))).expect("a surface");
+        let mut next = vec![None; surface.positions().len()];
+        let mut n_rim = 0;
+        for (t, corners) in surface.triangles().iter().enumerate() {
+            for (i, &across) in surface.topology().across(t as u32).iter().enumerate() {
+                if across == RIM {
+                    let from = corners[i] as usize;
+                    assert_eq!(next[from], None, "{wanted}: the rim branches at {from}");
+                    next[from] = Some(corners[(i + 1) % 3] as usize);
+                    n_rim += 1;
+                }
+            }
+            let facing = surface.triangle(t as u32).normal().z;
+            assert!(facing > 0.1, "{wanted}: triangle {t} has normal z {facing}");
+        }
+        let start = next.iter().position(Option::is_some).expect("a rim");
+        let mut at = start;
+        let mut n_walked = 0;
+        while n_walked == 0 || at != start {
+            at = next[at].expect("a closed rim");
+            n_walked += 1;
+        }
+        assert_eq!(n_walked, n_rim, "{wanted}: more than one rim");
+    }
+}
+
+#[test]
 fn triangles_are_near_equilateral_on_the_skin_save_at_the_rim() {
     for wanted in [2_962, 20_389, 41_582] {
         let (surface, _) =
@@ -188,6 +229,52 @@ fn landmarks_lie_on_the_skin_on_both_sides() {
     };
     assert_eq!((t5(Side::Left).x, t5(Side::Right).x), (-25.0, 25.0));
     assert!(back::landmark(&options, "T13", Kind::Spinous, Side::Middle).is_none());
+}
+
+#[test]
+fn every_build_of_body_is_a_clean_surface() {
+    for (scoliosis_mm, size, girth) in [
+        (50.0, 1.0, 1.0),
+        (-50.0, 0.6, 1.4),
+        (0.0, 1.3, 0.7),
+        (20.0, 5.0, 0.2),
+    ] {
+        let options = BackOptions {
+            scoliosis_mm,
+            size,
+            girth,
+            ..BackOptions::with_triangles(8_163)
+        };
+        let raw = back::make(&options);
+        let off = (raw.triangles.len() as f64 - 8_163.0).abs() / 8_163.0;
+        assert!(off <= 0.01, "{options:?}: {} made", raw.triangles.len());
+        let (_, report) = Surface::new(raw).expect("a surface");
+        assert!(report.is_clean(), "{options:?}: {report:?}");
+    }
+}
+
+/// Landmarks off the midline used to be left behind by the curve: by 7 mm for a shift of 30 mm.
+#[test]
+fn a_curved_spine_carries_its_landmarks_along() {
+    let straight = back::landmarks(&BackOptions::default());
+    for scoliosis_mm in [-50.0, -12.0, 5.0, 30.0, 50.0] {
+        let options = BackOptions {
+            scoliosis_mm,
+            ..BackOptions::default()
+        };
+        let heights = Heights::new(&options);
+        for (before, after) in straight.iter().zip(back::landmarks(&options)) {
+            let (p, q) = (before.position_mm, after.position_mm);
+            let origin = q.x - heights.shift_mm(q.x, q.y);
+            assert!(
+                (origin - p.x).abs() < 1e-9,
+                "{} by {scoliosis_mm} mm: it stands over x = {origin}",
+                after.name
+            );
+            // It is the same skin, so it is as high as it was (the dimples and bumps move too).
+            assert!((q.z - p.z).abs() < 1e-6, "{}", after.name);
+        }
+    }
 }
 
 #[test]

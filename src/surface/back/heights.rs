@@ -5,9 +5,10 @@ use super::landmarks::{LEVELS, Levels};
 
 /// Height of the back, mm, as a twice differentiable function of the map plane.
 ///
-/// A uniform cubic B-spline over the 5 mm samples: it rounds the facets of the mesh that was sampled by some hundredths
-/// of a millimetre, and continues smoothly past the samples. On top of it stand the parts that the samples lack:
-/// spinous processes and dimples.
+/// A uniform cubic B-spline with the 5 mm samples as control values: it smooths the facets of the mesh that was sampled
+/// and does not pass through the samples. It stays within 0.36 mm of them up to 72 mm from the midline (RMS 0.06 mm) and
+/// within 1.1 mm out to the rim on the steep flanks (y from 10 to 465 mm), and continues smoothly past them. On top of it stand the parts that the
+/// samples lack: spinous processes and dimples.
 #[derive(Clone, Debug)]
 pub struct Heights {
     samples: Grid,
@@ -111,7 +112,8 @@ impl Heights {
         z_mm
     }
 
-    /// How far a place is moved to the right by the curved spine, mm: an S between L5 and C7, fading to the flanks.
+    /// How far to the right the curved spine has carried the skin that is now at a place, mm: an S between L5 and C7,
+    /// fading to the flanks. [`Heights::carried_x_mm`] goes the other way.
     pub fn shift_mm(&self, x_mm: f64, y_mm: f64) -> f64 {
         if self.scoliosis_mm == 0.0 {
             return 0.0;
@@ -124,6 +126,14 @@ impl Heights {
         let along = ((y_mm - low) / (high - low)).clamp(0.0, 1.0);
         let flank = x_mm / 90.0;
         -self.scoliosis_mm * libm::sin(std::f64::consts::TAU * along) * libm::exp(-flank * flank)
+    }
+
+    /// Where the skin that lies at `x_mm` on the straight back lies on this one, mm to the right.
+    ///
+    /// The shift changes by less than half a millimetre per millimetre even for the largest curve allowed (50 mm), so that
+    /// the iteration halves the error each time.
+    pub fn carried_x_mm(&self, x_mm: f64, y_mm: f64) -> f64 {
+        (0..60).fold(x_mm, |x, _| x_mm + self.shift_mm(x, y_mm))
     }
 }
 

@@ -109,8 +109,7 @@ pub fn landmarks(options: &BackOptions) -> Vec<Landmark> {
             &[(Side::Left, -1.0), (Side::Right, 1.0)]
         };
         for &(side, sign) in sides {
-            let x = sign * x_mm;
-            let x = x + heights.shift_mm(x, y_mm);
+            let x = heights.carried_x_mm(sign * x_mm, y_mm);
             let suffix = match side {
                 Side::Left => " left",
                 Side::Middle => "",
