@@ -1,5 +1,7 @@
 //! Friction: the cone, stick and slip, the anchor, what it dissipates.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 use dorsum::contact::{
     Contact, ContactState, Friction, Stiffness, Touch, TouchScene, advance, anchor_from,
 };

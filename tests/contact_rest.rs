@@ -1,5 +1,7 @@
 //! Where the frictionless proxy comes to rest: closed forms, convex projections, brute-force minima.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 use dorsum::contact::{Contact, ContactState, Stiffness, Touch, TouchScene, advance};
 use dorsum::geom::Vec3;
 use dorsum::partition::Partition;

@@ -1,5 +1,7 @@
 //! The finger never gets through the skin: random motion at any speed over closed, thin, creased and rough surfaces.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 use dorsum::contact::{Contact, ContactState, Friction, Stiffness, Touch, TouchScene, advance};
 use dorsum::geom::Vec3;
 use dorsum::partition::Partition;

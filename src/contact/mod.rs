@@ -3,6 +3,7 @@
 //! One finger is a *HIP* (haptic interface point: where the device is) and a *proxy* (god object: where it would be had
 //! the surface stopped it). Fingers do not know of each other: the haptic surface never deforms.
 
+mod crease;
 mod face;
 mod friction;
 mod proxy;

@@ -14,7 +14,7 @@
 use super::face::Face;
 use super::friction::Cone;
 use crate::geom::{Vec3, unit_or};
-use crate::partition::{Hit, Partition, Sides, bvh::Bvh};
+use crate::partition::bvh::Bvh;
 use crate::surface::{RIM, Surface};
 
 /// Most steps of one walk. A tick at 10 m/s over 0.1 mm triangles takes some 200; what is left waits for the next tick,
@@ -22,11 +22,8 @@ use crate::surface::{RIM, Surface};
 const MAX_STEPS: u32 = 4096;
 /// Most steps along creases of one walk: they ask the search structure each.
 const MAX_CREASES: u32 = 64;
-/// How near a sheet must be for the proxy to stand against it, in lifts: a sheet stops a motion that is looked at one lift
-/// above the face.
-const TOUCH_LIFTS: f64 = 4.0;
 /// Anything nearer than this share of the cone's radius counts as in it: a proxy put on the cone stays there.
-const ON_CONE: f64 = 1.0 + 1e-12;
+pub(super) const ON_CONE: f64 = 1.0 + 1e-12;
 
 /// Where a walk ended.
 #[derive(Clone, Copy, Debug)]
@@ -61,7 +58,7 @@ pub(super) struct Footing {
 }
 
 #[derive(Clone, Copy)]
-enum At {
+pub(super) enum At {
     Face(Face, Vec3),
     /// On edge `.1` of a face, having come over that face.
     Edge(Face, usize, Vec3),
@@ -153,19 +150,21 @@ impl Walk<'_> {
         Outcome::Rests(self.rest_in_plane(here))
     }
 
-    /// A rest at `here` however far the walk has come, on the plane of its triangle.
+    /// A rest at `here` however far the walk has come, on the plane of its triangle, with no more pull than friction holds.
     pub(super) fn rest_in_plane(&self, here: Footing) -> Rest {
         let (normal, height) = match Face::of(self.surface, here.triangle) {
             Some(face) => (face.normal, face.height(self.hip)),
             None => (unit_or(here.point - self.hip, Vec3::Z), 0.0),
         };
         let depth = (-height).max(0.0);
+        let pull = self.hip - normal * height - here.point;
+        let reach = self.cone.moving * depth;
         Rest {
             triangle: here.triangle,
             proxy: here.point,
             normal,
             depth,
-            foot: self.hip - normal * height,
+            foot: here.point + pull.clamp_length_max(reach),
             slipped: true,
         }
     }
@@ -235,148 +234,6 @@ impl Walk<'_> {
         match exit {
             None => rest(end, true),
             Some((_, i)) => Step::Slip(self.onto_edge(face, i, end)),
-        }
-    }
-
-    /// What another sheet makes of a motion over `face` from `p` to `end`: `None` where there is none in the way.
-    fn stopped(&self, face: &Face, p: Vec3, end: Vec3) -> Option<Step> {
-        if !self.search.is_crossed(face.triangle) {
-            return None;
-        }
-        if let Some(other) = self.blocker(face.triangle, face.triangle, p, end - p) {
-            return Some(Step::Go(At::Crease(*face, other, p)));
-        }
-        let hit = self.sheet_between(p, end, face.normal)?;
-        let triangle = self.surface.triangle(face.triangle);
-        let q = triangle.closest_point(hit.point).point;
-        Some(match Face::of(self.surface, hit.triangle) {
-            Some(other) => Step::Slip(At::Crease(*face, other, q)),
-            None => self.cornered(face.triangle, hit.point),
-        })
-    }
-
-    /// The sheet that a proxy standing at `p` against it would enter by moving `ahead`: of those that touch the place,
-    /// apart from the two triangles it stands on and their neighbours, the one most in the way.
-    pub(super) fn blocker(&self, one: u32, two: u32, p: Vec3, ahead: Vec3) -> Option<Face> {
-        let corners = |t: u32| self.surface.triangles()[t as usize];
-        let own = [corners(one), corners(two)];
-        let mut worst: Option<(f64, Face)> = None;
-        self.search.around(p, TOUCH_LIFTS * self.lift, |t| {
-            if corners(t).iter().any(|v| own.iter().any(|c| c.contains(v))) {
-                return;
-            }
-            let Some(face) = Face::of(self.surface, t) else {
-                return;
-            };
-            let inward = ahead.dot(face.normal);
-            if inward < 0.0
-                && worst.is_none_or(|(most, _)| inward < most)
-                && self.surface.triangle(t).closest_point(p).point.distance(p)
-                    <= TOUCH_LIFTS * self.lift
-            {
-                worst = Some((inward, face));
-            }
-        });
-        worst.map(|(_, face)| face)
-    }
-
-    /// The first sheet that a motion just above the surface enters.
-    fn sheet_between(&self, p: Vec3, end: Vec3, above: Vec3) -> Option<Hit> {
-        let up = above * self.lift;
-        self.search
-            .sweep(self.surface, p + up, end + up, Sides::Front)
-    }
-
-    /// Stopped along a line by a third plane: nothing is left to slide along.
-    fn cornered(&self, triangle: u32, at: Vec3) -> Step {
-        let proxy = self.surface.triangle(triangle).closest_point(at).point;
-        let up = proxy - self.hip;
-        Step::End(Outcome::Rests(Rest {
-            triangle,
-            proxy,
-            normal: unit_or(up, self.surface.triangle(triangle).normal()),
-            depth: up.length(),
-            foot: proxy,
-            slipped: true,
-        }))
-    }
-
-    /// Along the line where `face` and `other`, of two sheets, meet: up one of them where that leads down to the HIP, else
-    /// along the line.
-    fn follow_crease(&self, face: &Face, other: &Face, q: Vec3, radius: f64) -> Step {
-        let stay = Footing {
-            triangle: face.triangle,
-            point: q,
-        };
-        let line = unit_or(face.normal.cross(other.normal), Vec3::ZERO);
-        let down = self.hip - q;
-        if line == Vec3::ZERO {
-            return Step::End(Outcome::Rests(self.rest_in_plane(stay)));
-        }
-        // Up each face, away from the other.
-        let up_face = line.cross(face.normal);
-        let up_other = other.normal.cross(line);
-        let outward = |up: Vec3, n: Vec3| if up.dot(n) < 0.0 { -up } else { up };
-        if down.dot(outward(up_face, other.normal)) > self.lift {
-            return Step::Go(At::Face(*face, q));
-        }
-        if down.dot(outward(up_other, face.normal)) > self.lift {
-            return Step::Go(At::Face(*other, q));
-        }
-        let along = down.dot(line);
-        let across_mm = down - line * along;
-        let depth = across_mm.length();
-        let rest = |proxy: Vec3, slipped| {
-            Step::End(Outcome::Rests(Rest {
-                triangle: face.triangle,
-                proxy,
-                normal: unit_or(-across_mm, face.normal),
-                depth,
-                foot: q + line * along,
-                slipped,
-            }))
-        };
-        if along.abs() <= radius * depth * ON_CONE {
-            return rest(q, false);
-        }
-        let way = along - (self.cone.moving * depth).min(along.abs()).copysign(along);
-        let mut end = q + line * way;
-        let mut exit: Option<(f64, bool, usize)> = None;
-        for (is_face, f) in [(true, face), (false, other)] {
-            for i in 0..3 {
-                let (start, stop) = (f.inside(i, q).max(0.0), f.inside(i, end));
-                if stop < 0.0 && stop < start {
-                    let fraction = start / (start - stop);
-                    if exit.is_none_or(|(first, _, _)| fraction < first) {
-                        exit = Some((fraction, is_face, i));
-                    }
-                }
-            }
-        }
-        if let Some((fraction, _, _)) = exit {
-            end = q + line * (way * fraction);
-        }
-        let (one, two) = (face.triangle, other.triangle);
-        if self.blocker(one, two, q, end - q).is_some() {
-            return self.cornered(one, q);
-        }
-        if let Some(hit) = self.sheet_between(q, end, face.normal + other.normal) {
-            return self.cornered(one, hit.point);
-        }
-        let Some((_, is_face, i)) = exit else {
-            return rest(end, true);
-        };
-        let leaving = if is_face { face } else { other };
-        let next = self.surface.topology().across(leaving.triangle)[i];
-        match (Face::of(self.surface, next), is_face) {
-            (Some(next), true) => Step::Slip(At::Crease(next, *other, end)),
-            (Some(next), false) => Step::Slip(At::Crease(*face, next, end)),
-            (None, false) if next == RIM => Step::Slip(At::Face(*face, end)),
-            (None, true) if next == RIM => Step::End(Outcome::SlidesOff(Footing {
-                triangle: face.triangle,
-                point: end,
-            })),
-            _ => rest(end, true),
         }
     }
 
@@ -566,7 +423,8 @@ impl Walk<'_> {
     }
 }
 
-enum Step {
+/// What one step of a walk leads to.
+pub(super) enum Step {
     /// On to another place without having moved.
     Go(At),
     /// On to another place after a motion: friction is dynamic from here.

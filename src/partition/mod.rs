@@ -66,8 +66,11 @@ pub trait Partition: Send + Sync {
     fn validate(&self, surface: &Surface) -> Result<(), String>;
 }
 
+/// Builds one structure over a surface.
+pub type Builder = fn(&Surface) -> Box<dyn Partition>;
+
 /// Every structure, by name, with its builder.
-pub fn all() -> &'static [(&'static str, fn(&Surface) -> Box<dyn Partition>)] {
+pub fn all() -> &'static [(&'static str, Builder)] {
     &[
         ("brute", |_| Box::new(brute::Brute)),
         ("bvh", |surface| Box::new(bvh::Bvh::new(surface))),

@@ -1,0 +1,159 @@
+//! Where another sheet of the surface crosses or touches the one that the proxy walks on: bodies that run into each other,
+//! a wall that stands on a plate, a fold.
+//!
+//! Adjacency does not know of such places. The search structure marks the triangles that have one
+//! ([`Bvh::is_crossed`](crate::partition::bvh::Bvh::is_crossed)); on the others nothing here is asked.
+
+use super::face::Face;
+use super::walk::{At, Footing, ON_CONE, Outcome, Rest, Step, Walk};
+use crate::geom::{Vec3, unit_or};
+use crate::partition::{Hit, Partition, Sides};
+use crate::surface::RIM;
+
+/// How near a sheet must be for the proxy to stand against it, in lifts: a sheet stops a motion that is looked at one lift
+/// above the face.
+const TOUCH_LIFTS: f64 = 4.0;
+
+impl Walk<'_> {
+    /// What another sheet makes of a motion over `face` from `p` to `end`: `None` where there is none in the way.
+    pub(super) fn stopped(&self, face: &Face, p: Vec3, end: Vec3) -> Option<Step> {
+        if !self.search.is_crossed(face.triangle) {
+            return None;
+        }
+        if let Some(other) = self.blocker(face.triangle, face.triangle, p, end - p) {
+            return Some(Step::Go(At::Crease(*face, other, p)));
+        }
+        let hit = self.sheet_between(p, end, face.normal)?;
+        let triangle = self.surface.triangle(face.triangle);
+        let q = triangle.closest_point(hit.point).point;
+        Some(match Face::of(self.surface, hit.triangle) {
+            Some(other) => Step::Slip(At::Crease(*face, other, q)),
+            None => self.cornered(face.triangle, hit.point),
+        })
+    }
+
+    /// The sheet that a proxy standing at `p` against it would enter by moving `ahead`: of those that touch the place,
+    /// apart from the two triangles it stands on and their neighbours, the one most in the way.
+    pub(super) fn blocker(&self, one: u32, two: u32, p: Vec3, ahead: Vec3) -> Option<Face> {
+        let corners = |t: u32| self.surface.triangles()[t as usize];
+        let own = [corners(one), corners(two)];
+        let mut worst: Option<(f64, Face)> = None;
+        self.search.around(p, TOUCH_LIFTS * self.lift, |t| {
+            if corners(t).iter().any(|v| own.iter().any(|c| c.contains(v))) {
+                return;
+            }
+            let Some(face) = Face::of(self.surface, t) else {
+                return;
+            };
+            let inward = ahead.dot(face.normal);
+            if inward < 0.0
+                && worst.is_none_or(|(most, _)| inward < most)
+                && self.surface.triangle(t).closest_point(p).point.distance(p)
+                    <= TOUCH_LIFTS * self.lift
+            {
+                worst = Some((inward, face));
+            }
+        });
+        worst.map(|(_, face)| face)
+    }
+
+    /// The first sheet that a motion just above the surface enters.
+    pub(super) fn sheet_between(&self, p: Vec3, end: Vec3, above: Vec3) -> Option<Hit> {
+        let up = above * self.lift;
+        self.search
+            .sweep(self.surface, p + up, end + up, Sides::Front)
+    }
+
+    /// Stopped along a line by a third plane: nothing is left to slide along.
+    pub(super) fn cornered(&self, triangle: u32, at: Vec3) -> Step {
+        let proxy = self.surface.triangle(triangle).closest_point(at).point;
+        let up = proxy - self.hip;
+        Step::End(Outcome::Rests(Rest {
+            triangle,
+            proxy,
+            normal: unit_or(up, self.surface.triangle(triangle).normal()),
+            depth: up.length(),
+            foot: proxy,
+            slipped: true,
+        }))
+    }
+
+    /// Along the line where `face` and `other`, of two sheets, meet: up one of them where that leads down to the HIP, else
+    /// along the line.
+    pub(super) fn follow_crease(&self, face: &Face, other: &Face, q: Vec3, radius: f64) -> Step {
+        let stay = Footing {
+            triangle: face.triangle,
+            point: q,
+        };
+        let line = unit_or(face.normal.cross(other.normal), Vec3::ZERO);
+        let down = self.hip - q;
+        if line == Vec3::ZERO {
+            return Step::End(Outcome::Rests(self.rest_in_plane(stay)));
+        }
+        // Up each face, away from the other.
+        let up_face = line.cross(face.normal);
+        let up_other = other.normal.cross(line);
+        let outward = |up: Vec3, n: Vec3| if up.dot(n) < 0.0 { -up } else { up };
+        if down.dot(outward(up_face, other.normal)) > self.lift {
+            return Step::Go(At::Face(*face, q));
+        }
+        if down.dot(outward(up_other, face.normal)) > self.lift {
+            return Step::Go(At::Face(*other, q));
+        }
+        let along = down.dot(line);
+        let across_mm = down - line * along;
+        let depth = across_mm.length();
+        let rest = |proxy: Vec3, slipped| {
+            Step::End(Outcome::Rests(Rest {
+                triangle: face.triangle,
+                proxy,
+                normal: unit_or(-across_mm, face.normal),
+                depth,
+                foot: q + line * along,
+                slipped,
+            }))
+        };
+        if along.abs() <= radius * depth * ON_CONE {
+            return rest(q, false);
+        }
+        let way = along - (self.cone.moving * depth).min(along.abs()).copysign(along);
+        let mut end = q + line * way;
+        let mut exit: Option<(f64, bool, usize)> = None;
+        for (is_face, f) in [(true, face), (false, other)] {
+            for i in 0..3 {
+                let (start, stop) = (f.inside(i, q).max(0.0), f.inside(i, end));
+                if stop < 0.0 && stop < start {
+                    let fraction = start / (start - stop);
+                    if exit.is_none_or(|(first, _, _)| fraction < first) {
+                        exit = Some((fraction, is_face, i));
+                    }
+                }
+            }
+        }
+        if let Some((fraction, _, _)) = exit {
+            end = q + line * (way * fraction);
+        }
+        let (one, two) = (face.triangle, other.triangle);
+        if self.blocker(one, two, q, end - q).is_some() {
+            return self.cornered(one, q);
+        }
+        if let Some(hit) = self.sheet_between(q, end, face.normal + other.normal) {
+            return self.cornered(one, hit.point);
+        }
+        let Some((_, is_face, i)) = exit else {
+            return rest(end, true);
+        };
+        let leaving = if is_face { face } else { other };
+        let next = self.surface.topology().across(leaving.triangle)[i];
+        match (Face::of(self.surface, next), is_face) {
+            (Some(next), true) => Step::Slip(At::Crease(next, *other, end)),
+            (Some(next), false) => Step::Slip(At::Crease(*face, next, end)),
+            (None, false) if next == RIM => Step::Slip(At::Face(*face, end)),
+            (None, true) if next == RIM => Step::End(Outcome::SlidesOff(Footing {
+                triangle: face.triangle,
+                point: end,
+            })),
+            _ => rest(end, true),
+        }
+    }
+}
