@@ -214,8 +214,12 @@ impl Walk<'_> {
         };
         let mut exit: Option<(f64, usize)> = None;
         for i in 0..3 {
+            let hip = face.inside(i, self.hip);
+            if hip >= 0.0 {
+                continue;
+            }
             let start = face.inside(i, p).max(0.0);
-            let end = start + (face.inside(i, self.hip) - start) * share;
+            let end = start + (hip - start) * share;
             if end < 0.0 {
                 let fraction = start / (start - end);
                 if exit.is_none_or(|(first, _)| fraction < first) {

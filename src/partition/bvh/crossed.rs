@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Nodes a thread takes at a time.
 const BATCH: usize = 1024;
 
-/// One bit per triangle: set where a triangle that is no neighbour comes within rounding of it, or one that shares just a
+/// One bit per triangle, none at all where no triangle is marked: set where a triangle that is no neighbour comes within rounding of it, or one that shares just a
 /// corner goes through it.
 pub(super) fn crossed(bvh: &Bvh, surface: &Surface, threads: usize) -> Box<[u64]> {
     let next = AtomicUsize::new(0);
@@ -46,10 +46,13 @@ pub(super) fn crossed(bvh: &Bvh, surface: &Surface, threads: usize) -> Box<[u64]
         }
         work();
     });
-    let mut bits = vec![0_u64; surface.triangles().len().div_ceil(64)];
     let found: Vec<u32> = found
         .into_inner()
         .unwrap_or_else(|poisoned| poisoned.into_inner());
+    if found.is_empty() {
+        return Box::default();
+    }
+    let mut bits = vec![0_u64; surface.triangles().len().div_ceil(64)];
     for t in found {
         bits[t as usize / 64] |= 1 << (t % 64);
     }
@@ -111,8 +114,10 @@ fn meet_others(
 fn through(one: &Triangle, a: [u32; 3], two: &Triangle, b: [u32; 3]) -> bool {
     let at = b.iter().position(|v| a.contains(v)).unwrap_or(0);
     let corners = [two.a, two.b, two.c];
-    one.crossing(corners[(at + 1) % 3], corners[(at + 2) % 3])
-        .is_some()
+    let (p, q) = (corners[(at + 1) % 3], corners[(at + 2) % 3]);
+    let n = one.area_normal();
+    let (above_p, above_q) = (n.dot(p - one.a), n.dot(q - one.a));
+    above_p * above_q <= 0.0 && one.crossing(p, q).is_some()
 }
 
 /// Whether an axis separates the two by more than `margin_mm` (Gottschalk et al. 1996: the normals, the products of

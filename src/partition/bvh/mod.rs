@@ -115,7 +115,7 @@ pub struct Bvh {
     nodes: Box<[Node]>,
     /// Triangles in the order of the leaves.
     order: Box<[u32]>,
-    /// One bit per triangle: another sheet runs through it or touches it.
+    /// One bit per triangle: another sheet runs through it or touches it. Empty where that is so of none.
     crossed: Box<[u64]>,
 }
 
