@@ -7,8 +7,8 @@ use super::landmarks::{LEVELS, Levels};
 ///
 /// A uniform cubic B-spline with the 5 mm samples as control values: it smooths the facets of the mesh that was sampled
 /// and does not pass through the samples. It stays within 0.36 mm of them up to 72 mm from the midline (RMS 0.06 mm) and
-/// within 1.1 mm out to the rim on the steep flanks (y from 10 to 465 mm), and continues smoothly past them. On top of it stand the parts that the
-/// samples lack: spinous processes and dimples.
+/// within 1.1 mm out to the rim on the steep flanks (y from 10 to 465 mm), and continues smoothly past them. On top of
+/// it stand the parts that the samples lack: spinous processes and dimples.
 #[derive(Clone, Debug)]
 pub struct Heights {
     samples: Grid,
