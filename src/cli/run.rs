@@ -190,18 +190,30 @@ impl Plan {
         (longest_s * self.rate_hz).ceil() as u64 + 1
     }
 
+    /// One limit per finger, from what its device can do.
+    fn limits(&self) -> [Limits; MAX_FINGERS] {
+        let mut limits = [Limits::default(); MAX_FINGERS];
+        for (limit, device) in limits.iter_mut().zip(self.devices()) {
+            *limit = Limits::of(device.capabilities());
+        }
+        limits
+    }
+
     fn header(&self, scene: &Scene) -> Header {
-        let limits = Limits::default();
-        let device = |d: &Box<dyn Device>| DeviceInfo {
-            name: d.capabilities().name.clone(),
-            rated_force_n: limits.rated_force_n,
-            rise_n_per_s: limits.rise_n_per_s,
-        };
-        header_of(
-            scene,
-            self.devices().iter().map(device).collect(),
-            self.rate_hz,
-        )
+        let devices = self.devices();
+        let named = devices.iter().zip(self.limits());
+        Header {
+            scenario_toml: scene.scenario.source.clone(),
+            scenario_name: scene.scenario.name.clone(),
+            mesh: MeshSource::new(&scene.surface, &scene.mesh_origin),
+            devices: named
+                .map(|(d, limits)| DeviceInfo::new(&d.capabilities().name, &limits))
+                .collect(),
+            rate_hz: self.rate_hz,
+            build: build_id(),
+            started_utc: utc_now(),
+            participant: None,
+        }
     }
 
     /// As fast as it goes, on this thread. Returns the summary and the number of ticks lost to the recorder.
@@ -213,10 +225,7 @@ impl Plan {
             ),
             None => None,
         };
-        let mut rig = Rig::new(
-            Box::new(scene.touch.clone()),
-            [Limits::default(); MAX_FINGERS],
-        );
+        let mut rig = Rig::new(Box::new(scene.touch.clone()), self.limits());
         let dt_s = 1.0 / self.rate_hz;
         let mut summary = Summary::new(dt_s);
         let (n_ticks, mut done) = (self.n_ticks(), 0);
@@ -254,10 +263,7 @@ impl Plan {
         scene: &Scene,
         target: Target<'_>,
     ) -> Result<(Summary, u64), CliError> {
-        let rig = Rig::new(
-            Box::new(scene.touch.clone()),
-            [Limits::default(); MAX_FINGERS],
-        );
+        let rig = Rig::new(Box::new(scene.touch.clone()), self.limits());
         let config = ServoConfig {
             rate_hz: self.rate_hz,
             ..ServoConfig::default()
@@ -307,26 +313,3 @@ impl Plan {
 }
 
 const RUN_BAR: &str = "{msg:12} {bar:40} {percent:>3} %  {eta}";
-
-/// The header of a session in `scene`.
-pub(super) fn header_of(scene: &Scene, devices: Vec<DeviceInfo>, rate_hz: f64) -> Header {
-    Header {
-        scenario_toml: scene.scenario.source.clone(),
-        scenario_name: scene.scenario.name.clone(),
-        mesh: MeshSource {
-            hash: scene
-                .surface
-                .hash()
-                .iter()
-                .map(|b| format!("{b:02x}"))
-                .collect(),
-            origin: scene.mesh_origin.clone(),
-            triangles: scene.surface.triangles().len(),
-        },
-        devices,
-        rate_hz,
-        build: build_id(),
-        started_utc: utc_now(),
-        participant: None,
-    }
-}

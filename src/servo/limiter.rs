@@ -1,6 +1,7 @@
 //! The last step before the device: whatever comes in, what goes out is finite, within the rated force, and does not
 //! rise faster than allowed.
 
+use crate::device::Capabilities;
 use crate::geom::Vec3;
 
 /// Bounds on the force sent to one device.
@@ -18,6 +19,16 @@ impl Default for Limits {
         Self {
             rated_force_n: 22.0,
             rise_n_per_s: 22.0 / 0.005,
+        }
+    }
+}
+
+impl Limits {
+    /// The limits that go with a device: its rated force, reached from zero in 5 ms at the earliest.
+    pub fn of(device: &Capabilities) -> Self {
+        Self {
+            rated_force_n: device.rated_force_n,
+            rise_n_per_s: device.rated_force_n / 0.005,
         }
     }
 }

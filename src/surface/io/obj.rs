@@ -48,9 +48,8 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, String> {
             ..
         } = model.mesh;
         let first = mesh.positions.len() as u32;
-        mesh.positions.extend(
-            (positions.chunks_exact(3)).map(|p| Vec3::new(p[0].into(), p[1].into(), p[2].into())),
-        );
+        mesh.positions
+            .extend((positions.chunks_exact(3)).map(|p| Vec3::new(p[0], p[1], p[2])));
         let mut rest = &indices[..];
         for arity in face_arities {
             let Some((corners, after)) = rest.split_at_checked(arity as usize) else {
