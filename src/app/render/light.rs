@@ -35,7 +35,7 @@ impl Light {
                 .map(|x| x as f32),
             eye: eye.to_array().map(|x| x as f32),
             // The key grazes: a slope of one degree changes its light by two per cent.
-            key: from_camera(-0.72, 0.52, 0.52),
+            key: from_camera(-0.70, 0.58, 0.48),
             fill: from_camera(0.80, 0.05, 0.60),
             rim: from_camera(0.65, 0.45, -0.60),
         }

@@ -164,9 +164,9 @@ impl Skin {
         program.vec3(
             "u_albedo",
             if picture.palette.dark {
-                [0.545, 0.372, 0.290]
+                [0.525, 0.372, 0.302]
             } else {
-                [0.575, 0.398, 0.312]
+                [0.555, 0.398, 0.325]
             },
         );
         program.float("u_exposure", if picture.palette.dark { 0.94 } else { 1.06 });

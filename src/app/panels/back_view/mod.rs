@@ -149,8 +149,7 @@ impl Panel for BackView {
             &overlay::Shown {
                 camera: &self.camera,
                 theme: &cx.view.theme,
-                scene: skin.scene(),
-                displacement: skin.displacement(),
+                skin,
                 fingers: &fingers,
                 n_fingers: cx.view.fingers.len(),
                 palpation: (cx.view.playback.is_none() && !cx.view.hands.is_empty())
@@ -217,10 +216,12 @@ impl BackView {
     /// Glides to a preset.
     fn go_to(&mut self, preset: Preset, fingers: &[model::Finger], size: Vec2) {
         let Some(skin) = &self.skin else { return };
-        let finger = fingers
-            .first()
+        // On its way to the button the cursor has taken the finger along: the press is what one wants to see.
+        let touching = fingers.iter().find(|f| f.hip_mm.is_some());
+        let pressed = self.palpation.pressed().or(self.palpation.place());
+        let finger = touching
             .map(|f| (f.centre_mm, f.normal))
-            .or(self.palpation.place().map(|p| (p.point_mm, p.normal)));
+            .or(pressed.map(|p| (p.point_mm, p.normal)));
         let goal = self
             .camera
             .preset(preset, &skin.scene().surface.bounds(), finger, size);

@@ -1,10 +1,13 @@
 //! What the Back view shows of the fingers: from tick records and the deformed skin to places, lengths and numbers.
 
+use crate::app::camera::{Camera, Projection};
 use crate::contact::Touch;
 use crate::deform::{Displacement, Press};
 use crate::geom::{Vec3, unit_or};
-use crate::scenario::Scene;
+use crate::partition::{Partition as _, Sides};
+use crate::scenario::{Scene, SurfaceChoice};
 use crate::servo::{FingerRecord, LimitFlags};
+use crate::surface::back::{self, BackOptions, Kind};
 
 /// Radius of a finger's sphere, mm: a fingertip.
 pub const FINGER_RADIUS_MM: f64 = 7.5;
@@ -72,12 +75,8 @@ fn finger(scene: &Scene, skin: &Displacement, record: &FingerRecord) -> Option<F
         })
         .filter(|f| f.centre_mm.is_finite());
     }
-    let near = crate::partition::Partition::nearest(
-        &*scene.touch.search,
-        &scene.surface,
-        hip,
-        SHOWN_WITHIN_MM,
-    )?;
+    let search = &scene.touch.search;
+    let near = search.nearest(&scene.surface, hip, SHOWN_WITHIN_MM)?;
     let normal = scene.surface.triangle(near.triangle).normal();
     let outward = unit_or(hip - near.point, normal);
     // Just above the skin the direction to the closest point is noise: the normal takes over.
@@ -93,6 +92,67 @@ fn finger(scene: &Scene, skin: &Displacement, record: &FingerRecord) -> Option<F
         stiffness_n_per_mm: None,
         limited: false,
     })
+}
+
+/// A named place on the skin.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// What is written beside it; empty for a dot alone.
+    pub text: String,
+    /// Where on the rest surface, mm.
+    pub point_mm: Vec3,
+    /// The triangle it lies on.
+    pub triangle: u32,
+}
+
+/// The landmarks of a scene on the built-in back; a mesh from a file has none.
+pub fn marks(scene: &Scene) -> Vec<Mark> {
+    let SurfaceChoice::BuiltinBack { triangles } = scene.scenario.surface else {
+        return Vec::new();
+    };
+    let landmarks = back::landmarks(&BackOptions::with_triangles(triangles));
+    landmarks
+        .into_iter()
+        .filter_map(|landmark| {
+            let near = scene
+                .touch
+                .search
+                .nearest(&scene.surface, landmark.position_mm, 20.0)?;
+            // The column reads by its spinous processes; its transverse ones are dots beside them.
+            let text = match landmark.kind {
+                Kind::Spinous => landmark.level.to_owned(),
+                Kind::Transverse => String::new(),
+                _ => sentence_case(&landmark.name),
+            };
+            Some(Mark {
+                text,
+                point_mm: near.point,
+                triangle: near.triangle,
+            })
+        })
+        .collect()
+}
+
+fn sentence_case(name: &str) -> String {
+    let mut letters = name.chars();
+    letters
+        .next()
+        .map(|first| first.to_uppercase().chain(letters).collect())
+        .unwrap_or_default()
+}
+
+/// Whether nothing of the rest surface lies between the eye and a place on it.
+pub fn is_seen(scene: &Scene, camera: &Camera, point_mm: Vec3) -> bool {
+    const HIDDEN_BY_MM: f64 = 3.0;
+    let towards = match camera.projection {
+        Projection::Perspective => camera.eye_mm() - point_mm,
+        Projection::Orthographic => camera.basis().back * 10_000.0,
+    };
+    let from = point_mm + unit_or(towards, Vec3::ZERO) * HIDDEN_BY_MM;
+    let search = &scene.touch.search;
+    search
+        .sweep(&scene.surface, point_mm + towards, from, Sides::Both)
+        .is_none()
 }
 
 /// The presses that deform the skin, in the order of the fingers. A record of another scene, whose triangle this one does

@@ -3,20 +3,18 @@
 use super::Options;
 use super::model::{self, Finger};
 use super::palpate::Palpation;
+use super::skin::DrawnSkin;
 use crate::app::camera::Camera;
 use crate::app::render::pixels;
 use crate::app::theme::Theme;
-use crate::deform::Displacement;
 use crate::geom::Vec3;
-use crate::scenario::Scene;
 use egui::{Align2, Color32, FontId, RichText, Stroke, pos2, vec2};
 
 /// What the overlay shows.
 pub struct Shown<'a> {
     pub camera: &'a Camera,
     pub theme: &'a Theme,
-    pub scene: &'a Scene,
-    pub displacement: &'a Displacement,
+    pub skin: &'a DrawnSkin,
     pub fingers: &'a [Finger],
     /// Fingers there are, also those not near the skin.
     pub n_fingers: usize,
@@ -41,6 +39,9 @@ pub fn plate(theme: &Theme) -> egui::Frame {
 /// Draws everything over the picture in `rect`, save the toolbar.
 pub fn show(ui: &mut egui::Ui, rect: egui::Rect, shown: &Shown<'_>) {
     let painter = ui.painter().with_clip_rect(rect);
+    if shown.options.landmarks {
+        landmarks(&painter, rect, shown);
+    }
     for finger in shown.fingers {
         finger_marks(&painter, rect, shown, finger);
     }
@@ -63,6 +64,47 @@ fn on_screen(rect: egui::Rect, camera: &Camera, point_mm: Vec3) -> Option<egui::
     Some(rect.min + pixels::pos(p).to_vec2())
 }
 
+/// Dots and names of the landmarks that face the eye, carried along by the deformed skin.
+fn landmarks(painter: &egui::Painter, rect: egui::Rect, shown: &Shown<'_>) {
+    let scene = shown.skin.scene();
+    for mark in shown.skin.marks() {
+        if !model::is_seen(scene, shown.camera, mark.point_mm) {
+            continue;
+        }
+        let at =
+            shown
+                .skin
+                .displacement()
+                .carried_point(&scene.surface, mark.triangle, mark.point_mm);
+        let Some(at) = on_screen(rect, shown.camera, at) else {
+            continue;
+        };
+        let theme = shown.theme;
+        painter.circle(at, 2.2, theme.text, Stroke::new(1.0, theme.panel));
+        if !mark.text.is_empty() {
+            label(
+                painter,
+                theme,
+                at + vec2(10.0, -7.0),
+                mark.text.clone(),
+                FontId::proportional(11.0),
+            );
+        }
+    }
+}
+
+/// Text on a small plate, its top left at `at`.
+fn label(painter: &egui::Painter, theme: &Theme, at: egui::Pos2, words: String, font: FontId) {
+    let text = painter.layout_no_wrap(words, font, theme.text);
+    let place = egui::Rect::from_min_size(at, text.size());
+    painter.rect_filled(
+        place.expand2(vec2(4.0, 1.0)),
+        4.0,
+        theme.panel.gamma_multiply(0.8),
+    );
+    painter.galley(at, text, theme.text);
+}
+
 /// The device's place under the skin, and the force in newtons at the arrow's tip.
 fn finger_marks(painter: &egui::Painter, rect: egui::Rect, shown: &Shown<'_>, finger: &Finger) {
     let color = shown.theme.finger(finger.index);
@@ -78,18 +120,13 @@ fn finger_marks(painter: &egui::Painter, rect: egui::Rect, shown: &Shown<'_>, fi
     if shown.options.arrows && newtons >= 0.1 {
         let tip = finger.arrow_from_mm() + finger.arrow_mm();
         if let Some(tip) = on_screen(rect, shown.camera, tip) {
-            let text = painter.layout_no_wrap(
+            label(
+                painter,
+                shown.theme,
+                tip + vec2(10.0, -8.0),
                 format!("{newtons:.1} N"),
                 FontId::monospace(12.0),
-                shown.theme.text,
             );
-            let at = egui::Rect::from_min_size(tip + vec2(10.0, -8.0), text.size());
-            painter.rect_filled(
-                at.expand2(vec2(4.0, 1.0)),
-                4.0,
-                shown.theme.panel.gamma_multiply(0.8),
-            );
-            painter.galley(at.min, text, shown.theme.text);
         }
     }
 }
@@ -157,7 +194,7 @@ fn numbers_ui(ui: &mut egui::Ui, rect: egui::Rect, shown: &Shown<'_>) {
             ui.spacing_mut().item_spacing = vec2(0.0, 1.0);
             ui.horizontal(|ui| {
                 for (column, head) in ["", "Depth", "Force", "Stiffness"].into_iter().enumerate() {
-                    cell(ui, column, RichText::new(head).small().weak());
+                    cell(ui, column, RichText::new(head).size(11.0).weak());
                 }
             });
             for index in 0..shown.n_fingers {
@@ -165,7 +202,7 @@ fn numbers_ui(ui: &mut egui::Ui, rect: egui::Rect, shown: &Shown<'_>) {
             }
             if let Some(palpation) = shown.palpation {
                 let wanted = format!("Pressing asks for {:>4.1} mm", palpation.depth_mm());
-                ui.label(RichText::new(wanted).small().weak())
+                ui.label(RichText::new(wanted).size(11.0).weak())
                     .on_hover_text("Set it with the wheel while pressing, or with W and S");
             }
         });

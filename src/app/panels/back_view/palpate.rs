@@ -61,6 +61,7 @@ pub struct Targets {
 pub struct Palpation {
     depth_mm: f64,
     place: Option<SkinPoint>,
+    pressed: Option<SkinPoint>,
     pressing: bool,
     /// After parking, the finger that follows the cursor stays up until the button has been let go.
     lifted: bool,
@@ -72,6 +73,7 @@ impl Default for Palpation {
         Self {
             depth_mm: FIRST_DEPTH_MM,
             place: None,
+            pressed: None,
             pressing: false,
             lifted: false,
             parked: None,
@@ -95,6 +97,11 @@ impl Palpation {
         self.parked.is_some()
     }
 
+    /// The place last pressed.
+    pub fn pressed(&self) -> Option<SkinPoint> {
+        self.pressed
+    }
+
     /// The place last pointed at.
     pub fn place(&self) -> Option<SkinPoint> {
         self.place
@@ -114,6 +121,10 @@ impl Palpation {
         }
         self.lifted &= input.press;
         self.pressing = input.press && self.place.is_some() && !self.lifted;
+
+        if self.pressing {
+            self.pressed = self.place;
+        }
 
         let mut targets = Targets::default();
         if input.park {

@@ -1,12 +1,13 @@
 //! The drawn skin of one scene: deformed by the fingers, only where they changed it.
 
-use super::model;
+use super::model::{self, Mark};
 use super::stage::SharedStage;
 use crate::app::state::{PartCost, Parts};
 use crate::deform::models::fsmd::Fsmd;
 use crate::deform::{Displacement, Model, Press};
 use crate::scenario::{Item, Scene};
 use crate::servo::FingerRecord;
+use std::cell::OnceCell;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -19,6 +20,8 @@ pub struct DrawnSkin {
     presses: Vec<Press>,
     /// Cost of the last update that had something to do, µs.
     update_us: Option<f64>,
+    /// Found when they are first shown.
+    marks: OnceCell<Vec<Mark>>,
 }
 
 impl DrawnSkin {
@@ -29,6 +32,7 @@ impl DrawnSkin {
             displacement: Displacement::at_rest(&scene.surface),
             presses: Vec::new(),
             update_us: None,
+            marks: OnceCell::new(),
             scene,
             generation,
         }
@@ -47,6 +51,11 @@ impl DrawnSkin {
     /// How far it is from rest.
     pub fn displacement(&self) -> &Displacement {
         &self.displacement
+    }
+
+    /// Its named places.
+    pub fn marks(&self) -> &[Mark] {
+        self.marks.get_or_init(|| model::marks(&self.scene))
     }
 
     /// Follows the fingers and hands what changed to the stage. Does nothing while they rest.

@@ -34,8 +34,10 @@ float value_noise(vec3 p) {
 
 // Light that wraps past the terminator, red farthest: what scattering under the skin does to a shadow's edge.
 vec3 wrapped(float cosine) {
-    const vec3 w = vec3(0.34, 0.20, 0.14);
-    return clamp((vec3(cosine) + w) / ((1.0 + w) * (1.0 + w)), 0.0, 1.0);
+    const vec3 w = vec3(0.42, 0.30, 0.24);
+    vec3 lit = clamp((vec3(cosine) + w) / (1.0 + w), 0.0, 1.0);
+    // Squared: it fades out without a kink.
+    return lit * lit;
 }
 
 vec3 srgb(vec3 c) {
@@ -66,8 +68,8 @@ void main() {
     float ridge = smoothstep(0.5, 1.0, open);
     // The first millimetres show most: a light press must be seen at a glance.
     float dent = 1.0 - exp(-3.2 * max(v_dent, 0.0));
-    float ambient_open = (1.0 - 0.62 * hollow + 0.10 * ridge) * (1.0 - 0.36 * dent);
-    float key_open = (1.0 - 0.26 * hollow + 0.05 * ridge) * (1.0 - 0.17 * dent);
+    float ambient_open = (1.0 - 0.58 * hollow + 0.10 * ridge) * (1.0 - 0.36 * dent);
+    float key_open = (1.0 - 0.20 * hollow + 0.05 * ridge) * (1.0 - 0.17 * dent);
 
     for (int i = 0; i < 4; i++) {
         if (i >= u_n_fingers) break;
@@ -88,10 +90,10 @@ void main() {
     vec3 albedo = u_albedo * (1.0 + 0.16 * light) * vec3(1.0 + 0.05 * warm, 1.0 - 0.10 * warm, 1.0 - 0.12 * warm);
     vec3 ambient_tint = pow(vec3(max(ambient_open, 0.0)), vec3(0.82, 1.0, 1.08));
 
-    vec3 sky = mix(vec3(0.20, 0.19, 0.185), vec3(0.36, 0.38, 0.41), 0.5 + 0.5 * n.y);
+    vec3 sky = mix(vec3(0.25, 0.205, 0.18), vec3(0.41, 0.375, 0.355), 0.5 + 0.5 * n.y);
     vec3 diffuse = sky * ambient_tint
-        + wrapped(dot(n, u_key)) * vec3(1.00, 0.965, 0.92) * 1.18 * key_open
-        + wrapped(dot(n, u_fill)) * vec3(0.80, 0.89, 1.00) * 0.30 * ambient_tint;
+        + wrapped(dot(n, u_key)) * vec3(1.00, 0.955, 0.90) * 1.50 * key_open
+        + wrapped(dot(n, u_fill)) * vec3(0.97, 0.96, 0.98) * 0.34 * ambient_tint;
 
     vec3 h = normalize(u_key + v);
     float facing = clamp(dot(n, v), 0.0, 1.0);
@@ -100,7 +102,7 @@ void main() {
     float gloss = (0.55 * pow(nh, 14.0) + 1.1 * pow(nh, 48.0)) * fresnel * 1.6 * clamp(dot(n, u_key) * 3.0, 0.0, 1.0) * key_open;
     float edge = pow(1.0 - facing, 3.2) * smoothstep(-0.25, 0.8, dot(n, u_rim)) * ambient_open;
 
-    vec3 color = albedo * diffuse + vec3(0.96, 0.98, 1.0) * gloss + vec3(0.55, 0.60, 0.66) * 0.55 * edge;
+    vec3 color = albedo * diffuse + vec3(0.96, 0.98, 1.0) * gloss + vec3(0.60, 0.62, 0.66) * 0.40 * edge;
     color *= u_exposure;
     color = color / (1.0 + 0.16 * color);
     // Half a step of noise hides the bands of slow gradients.
