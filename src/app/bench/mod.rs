@@ -226,10 +226,11 @@ impl Bench {
             self.tell(Level::Info, "The recording ends with its scene");
             self.toggle_recording();
         }
-        if !self.is_recording() && !self.recordings.is_busy() {
-            if let Some(scene) = self.ready.take() {
-                self.set_scene(scene);
-            }
+        if !self.is_recording()
+            && !self.recordings.is_busy()
+            && let Some(scene) = self.ready.take()
+        {
+            self.set_scene(scene);
         }
         true
     }
@@ -524,8 +525,7 @@ impl Bench {
 fn something_happens(before: &Snapshot, after: &Snapshot) -> bool {
     let moved = |a: &FingerRecord, b: &FingerRecord| {
         let by = (a.reading.position_mm - b.reading.position_mm).length();
-        // Not finite counts as moved.
-        !(by <= STILL_MM) || a.contact.touch != b.contact.touch
+        by > STILL_MM || by.is_nan() || a.contact.touch != b.contact.touch
     };
     let touching = after
         .record

@@ -155,12 +155,12 @@ impl Plots {
             let response = plot.show(ui, |plot| {
                 plot.set_plot_bounds_x(from_s..=to_s);
                 plot.set_plot_bounds_y(-0.06 * top..=1.06 * top);
-                for finger in 0..history.n_fingers() {
+                for (finger, name) in FINGER_NAMES.iter().enumerate().take(history.n_fingers()) {
                     for run in history.line(finger, channel, from_s, to_s, bins) {
                         let points: Vec<PlotPoint> =
                             run.iter().map(|p| PlotPoint::new(p[0], p[1])).collect();
                         plot.line(
-                            Line::new(FINGER_NAMES[finger], egui_plot::PlotPoints::Owned(points))
+                            Line::new(*name, egui_plot::PlotPoints::Owned(points))
                                 .color(theme.finger(finger))
                                 .width(1.5)
                                 .allow_hover(false),
