@@ -16,6 +16,7 @@ use super::panels::{self, PanelContext};
 use super::state::{FrameTiming, Parts, View};
 use super::theme::Theme;
 use crate::scenario::Use;
+use egui_material_icons::icons as icon;
 use frames::FrameMeter;
 use palette::Palette;
 use std::path::PathBuf;
@@ -215,17 +216,15 @@ impl Workbench {
         let told = self.shared.bench().told();
         let new = usize::try_from(told - self.toasted.min(told)).unwrap_or(usize::MAX);
         self.toasted = told;
-        let seconds = |s| Some(std::time::Duration::from_secs(s));
         for message in view.messages.iter().rev().take(new.min(3)).rev() {
-            match message.level {
-                Level::Info => {}
-                Level::Warning => {
-                    self.toasts.warning(&message.text).duration(seconds(5));
-                }
-                Level::Error => {
-                    self.toasts.error(&message.text).duration(seconds(9));
-                }
-            }
+            let (icon, colour, seconds) = match message.level {
+                Level::Info => continue,
+                Level::Warning => (icon::ICON_WARNING, view.theme.warning, 5),
+                Level::Error => (icon::ICON_ERROR, view.theme.fault, 9),
+            };
+            self.toasts
+                .custom(&message.text, icon.codepoint.to_owned(), colour)
+                .duration(Some(std::time::Duration::from_secs(seconds)));
         }
         self.toasts.show(ctx);
     }

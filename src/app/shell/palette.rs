@@ -57,7 +57,11 @@ impl Palette {
                     for (i, entry) in found.iter().enumerate() {
                         let mut button = egui::Button::selectable(i == self.chosen, &entry.text);
                         if let Some(shortcut) = &entry.shortcut {
-                            button = button.shortcut_text(ui.ctx().format_shortcut(shortcut));
+                            let mut text = egui::RichText::new(ui.ctx().format_shortcut(shortcut));
+                            if i == self.chosen {
+                                text = text.color(ui.visuals().selection.stroke.color);
+                            }
+                            button = button.shortcut_text(text);
                         }
                         let response = ui
                             .add_sized([ui.available_width(), 22.0], button)
