@@ -14,7 +14,7 @@ const FLANK_HEIGHT_MM: f64 = 42.0;
 /// The arms are cut off here, mm.
 const WIDEST_MM: f64 = 178.0;
 /// Lower and upper end, mm.
-const ENDS_MM: (f64, f64) = (6.0, 474.0);
+const ENDS_MM: (f64, f64) = (2.0, 474.0);
 /// Spacing of the points, mm.
 const SPACING_MM: f64 = 1.0;
 /// Standard deviation of the smoothing along the outline, mm: rounds the corners where flanks meet the ends.
