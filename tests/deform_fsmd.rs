@@ -367,8 +367,8 @@ fn normals_are_right_round_a_hub_with_hundreds_of_spokes_and_on_the_rim() {
         let press = press_at_vertex(&skin, vertex, 6.0, [4.0, 1.0]);
         let out = deformed(&skin, small(), &[press]);
         let expected = normals_by_definition(&skin, &out);
-        for v in 0..skin.positions().len() {
-            assert!((out.normals[v] - expected[v]).length() < 1e-12);
+        for (drawn, expected) in out.normals.iter().zip(&expected) {
+            assert!((*drawn - *expected).length() < 1e-12);
         }
     }
 }

@@ -8,7 +8,7 @@
 //! | [`history`] | the plotted past, in bounded memory |
 //! | [`camera`] | where the back is looked at from |
 //! | [`theme`] | every colour |
-//! | [`bench`] | what runs behind the window: scene, servo, recorder, replay |
+//! | [`mod@bench`] | what runs behind the window: scene, servo, recorder, replay |
 //! | [`shell`] | menu, dock, own windows, status bar, keys |
 //! | [`dock`] | where the panels are |
 //! | [`messages`] | what the workbench had to say |

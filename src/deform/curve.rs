@@ -81,7 +81,7 @@ impl Curve {
         Self::of_checked("gaussian".into(), samples, Lookup::Linear)
     }
 
-    /// The half Gaussian as printed: `n` samples over x = 0 … 1.4 with σ² = 1/(2π), so that M[0] = 1 and the last is 0.0021.
+    /// The half Gaussian as printed: `n` samples over x = 0 … 1.4 with σ² = 1/(2π), so that `M[0]` = 1 and the last is 0.0021.
     ///
     /// Fewer than 2 samples are taken as 2.
     pub fn gaussian_printed(n: usize, lookup: Lookup) -> Self {

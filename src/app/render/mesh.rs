@@ -18,7 +18,7 @@ const MERGE_GAP: u32 = 128;
 pub struct SkinVertex {
     /// Deformed position, mm.
     pub position: [f32; 3],
-    /// Unit normal in 1/32767, then the dent's depth in the same against [`FULL_DENT_MM`].
+    /// Unit normal in 1/32767, then the dent's depth in the same against `FULL_DENT_MM`.
     pub normal_dent: [i16; 4],
 }
 
