@@ -329,7 +329,7 @@ fn without_opengl_the_panel_says_so() {
     let (send, _commands) = command::queue(Arc::new(|| {}));
     let mut panel = BackView::default();
     let harness = Harness::builder()
-        .with_context_setup(|ctx| egui_material_icons::initialize(ctx))
+        .with_context_setup(egui_material_icons::initialize)
         .build_ui(move |ui| {
             panel.ui(
                 ui,

@@ -45,7 +45,7 @@ struct Probe {
 }
 
 impl Probe {
-    fn new(trouble: fn()) -> (Box<dyn Device>, Arc<Log>) {
+    fn with_log(trouble: fn()) -> (Box<dyn Device>, Arc<Log>) {
         let log = Arc::new(Log::default());
         let capabilities = Null::new(Vec3::ZERO).capabilities().clone();
         (
@@ -103,7 +103,7 @@ const SOON: Duration = Duration::from_secs(10);
 
 #[test]
 fn every_tick_reaches_the_ring_in_order_and_the_newest_the_snapshot() {
-    let (device, log) = Probe::new(|| {});
+    let (device, log) = Probe::with_log(|| {});
     let (servo, mut lines) =
         servo::start(ServoConfig::default(), rig(), vec![device]).expect("a thread");
     let mut records = Vec::new();
@@ -127,7 +127,7 @@ fn a_full_ring_is_counted_and_loses_whole_ticks() {
         ring_records: 9,
         ..ServoConfig::default()
     };
-    let devices: Vec<Box<dyn Device>> = vec![Probe::new(|| {}).0, Probe::new(|| {}).0];
+    let devices: Vec<Box<dyn Device>> = vec![Probe::with_log(|| {}).0, Probe::with_log(|| {}).0];
     let (_servo, mut lines) = servo::start(config, rig(), devices).expect("a thread");
     assert!(within(SOON, || lines.snapshot.read().timing.lost_records >= 20));
     let mut held = Vec::new();
@@ -151,8 +151,8 @@ fn a_full_ring_is_counted_and_loses_whole_ticks() {
 
 #[test]
 fn scenes_and_devices_are_swapped_and_come_back_to_be_freed() {
-    let (first, first_log) = Probe::new(|| {});
-    let (second, second_log) = Probe::new(|| {});
+    let (first, first_log) = Probe::with_log(|| {});
+    let (second, second_log) = Probe::with_log(|| {});
     let (_servo, mut lines) =
         servo::start(ServoConfig::default(), rig(), vec![first]).expect("a thread");
     assert!(
@@ -180,7 +180,7 @@ fn scenes_and_devices_are_swapped_and_come_back_to_be_freed() {
 
 #[test]
 fn switching_the_force_off_says_so_in_the_records() {
-    let (device, _log) = Probe::new(|| {});
+    let (device, _log) = Probe::with_log(|| {});
     let (_servo, mut lines) =
         servo::start(ServoConfig::default(), rig(), vec![device]).expect("a thread");
     assert!(lines.commands.push(Command::EnableForce(false)).is_ok());
@@ -196,7 +196,7 @@ fn switching_the_force_off_says_so_in_the_records() {
 
 #[test]
 fn a_stall_makes_one_late_tick_with_zero_force_and_no_burst_after_it() {
-    let (device, log) = Probe::new(|| std::thread::sleep(Duration::from_millis(60)));
+    let (device, log) = Probe::with_log(|| std::thread::sleep(Duration::from_millis(60)));
     let (_servo, mut lines) =
         servo::start(ServoConfig::default(), rig(), vec![device]).expect("a thread");
     assert!(within(SOON, || log.reads.load(Ordering::SeqCst) > 20));
@@ -224,7 +224,7 @@ fn a_stall_makes_one_late_tick_with_zero_force_and_no_burst_after_it() {
 
 #[test]
 fn a_panicking_device_is_closed_and_told() {
-    let (device, log) = Probe::new(|| panic!("a device fault made for this test"));
+    let (device, log) = Probe::with_log(|| panic!("a device fault made for this test"));
     let (servo, mut lines) =
         servo::start(ServoConfig::default(), rig(), vec![device]).expect("a thread");
     assert!(within(SOON, || log.reads.load(Ordering::SeqCst) > 5));
@@ -237,7 +237,7 @@ fn a_panicking_device_is_closed_and_told() {
 
 #[test]
 fn a_hanging_device_is_told_and_recovers() {
-    let (device, log) = Probe::new(|| std::thread::sleep(servo::HANG_BOUND * 4));
+    let (device, log) = Probe::with_log(|| std::thread::sleep(servo::HANG_BOUND * 4));
     let (servo, _lines) =
         servo::start(ServoConfig::default(), rig(), vec![device]).expect("a thread");
     assert!(within(SOON, || log.reads.load(Ordering::SeqCst) > 5));

@@ -31,7 +31,7 @@ fn as_f32(mesh: &RawMesh) -> Vec<[f32; 3]> {
 
 pub fn obj_text(mesh: &RawMesh) -> String {
     let mut text = String::from("# a sheet\nmtllib none.mtl\no sheet\n");
-    for [x, y, z] in as_f32(mesh) {
+    for [x, y, z] in mesh.positions.iter().map(|p| p.to_array()) {
         text += &format!("v {x} {y} {z}\n");
     }
     text += "vt 0 0\nvn 0 0 1\nusemtl skin\ns off\n";
