@@ -4,14 +4,13 @@
 use super::common::{build_scene, default_place, load_scenario};
 use super::run::{Plan, script_over};
 use super::summary::Summary;
-use super::workbench::WorkbenchArgs;
 use super::{CliError, Outcome, print, print_json};
 use crate::contact::{Contact, Touch};
 use crate::deform::{Displacement, Model as _, Press, models::fsmd::Fsmd};
 use crate::device::scripted::Script;
 use crate::figure::{self, Ball, Camera, LinePlot, Picture, Series};
 use crate::geom::Vec3;
-use crate::scenario::{self, Scene, Use};
+use crate::scenario::{Scene, Use, default_example};
 use crate::servo::{FingerRecord, Rig};
 use crate::session::{IfExists, Session, Strictness, check};
 use std::path::{Path, PathBuf};
@@ -31,15 +30,13 @@ struct Printed<'a> {
     picture: PathBuf,
 }
 
-/// Does the main job and says where its results are.
+/// Does the main job in `scenario` (the default example without one) and says where in `out` (the user's data folder
+/// without one) its results are.
 ///
 /// # Errors
 /// The scenario is refused or the folder cannot be written.
-pub fn run(args: &WorkbenchArgs, json: bool) -> Result<Outcome, CliError> {
-    let name = args
-        .scenario
-        .as_deref()
-        .unwrap_or(scenario::default_example().file);
+pub fn run(scenario: Option<&str>, out: Option<&Path>, json: bool) -> Result<Outcome, CliError> {
+    let name = scenario.unwrap_or(default_example().file);
     let purpose = Use {
         fingers: 1,
         deformed: true,
@@ -47,8 +44,8 @@ pub fn run(args: &WorkbenchArgs, json: bool) -> Result<Outcome, CliError> {
         ..Use::default()
     };
     let scene = build_scene(load_scenario(name)?, purpose)?;
-    let folder = match &args.out {
-        Some(folder) => folder.clone(),
+    let folder = match out {
+        Some(folder) => folder.to_owned(),
         None => data_folder()?,
     };
     let failed = |e: std::io::Error| CliError::input(format!("{}: {e}", folder.display()));

@@ -9,13 +9,13 @@ use std::path::PathBuf;
 pub struct WorkbenchArgs {
     /// Scenario to open: a file, or the name of an example.
     #[arg(long)]
-    pub(super) scenario: Option<String>,
+    scenario: Option<String>,
     /// Do the main job without a window: palpate, record, replay, write pictures.
     #[arg(long)]
     headless: bool,
     /// Folder for what the headless job writes; otherwise the user's data folder.
     #[arg(long, value_name = "DIR")]
-    pub(super) out: Option<PathBuf>,
+    out: Option<PathBuf>,
     /// Print the time from start to the first frame and leave.
     #[arg(long)]
     first_frame: bool,
@@ -64,7 +64,7 @@ fn size(text: &str) -> Result<(u16, u16), String> {
 /// The scenario is refused, or the window or the headless job fails.
 pub fn run(args: &WorkbenchArgs, json: bool) -> Result<Outcome, CliError> {
     if args.headless {
-        return headless::run(args, json);
+        return headless::run(args.scenario.as_deref(), args.out.as_deref(), json);
     }
     match open(args) {
         Ok(outcome) => outcome,
@@ -73,7 +73,7 @@ pub fn run(args: &WorkbenchArgs, json: bool) -> Result<Outcome, CliError> {
         }
         Err(reason) => {
             eprintln!("dorsum: {reason}; doing the main job without a window");
-            headless::run(args, json)
+            headless::run(args.scenario.as_deref(), args.out.as_deref(), json)
         }
     }
 }

@@ -1,10 +1,11 @@
-//! Scenes are built on a thread of their own, with progress and cancel.
+//! Where scenes come from, and how one is built beside the window.
 
+use super::Wake;
+use super::job::Job;
 use crate::app::state::BuildStatus;
 use crate::scenario::{self, BuildError, Example, Scenario, Scene, Use};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError, mpsc};
+use std::sync::Arc;
 
 /// Where a scenario comes from.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,87 +57,19 @@ pub fn file_name(path: &Path) -> String {
 }
 
 /// A scene being built.
-pub struct Build {
-    status: Arc<Mutex<BuildStatus>>,
-    cancel: Arc<AtomicBool>,
-    result: mpsc::Receiver<Result<Scene, BuildError>>,
-}
+pub type Build = Job<Result<Scene, BuildError>>;
 
-impl Build {
-    /// Starts building; `wake` is called when something is new to show.
-    ///
-    /// # Errors
-    /// When the system refuses another thread.
-    pub fn start(
-        source: Source,
-        purpose: Use,
-        wake: Arc<dyn Fn() + Send + Sync>,
-    ) -> std::io::Result<Self> {
-        let status = Arc::new(Mutex::new(BuildStatus {
-            scenario: source.name(),
-            part: "scenario".into(),
-            fraction: 0.0,
-        }));
-        let cancel = Arc::new(AtomicBool::new(false));
-        let (send, result) = mpsc::sync_channel(1);
-        let (shared, stop) = (status.clone(), cancel.clone());
-        std::thread::Builder::new()
-            .name("builder".into())
-            .spawn(move || {
-                let mut progress = |part: &str, fraction: f64| {
-                    let mut status = shared.lock().unwrap_or_else(PoisonError::into_inner);
-                    part.clone_into(&mut status.part);
-                    status.fraction = fraction;
-                    drop(status);
-                    wake();
-                    !stop.load(Ordering::Relaxed)
-                };
-                let scene = source
-                    .read()
-                    .and_then(|s| scenario::build(Arc::new(s), purpose, &mut progress));
-                // The bench may have gone in the meantime.
-                let _ = send.send(scene);
-                wake();
-            })?;
-        Ok(Self {
-            status,
-            cancel,
-            result,
-        })
-    }
-
-    /// How far it is.
-    pub fn status(&self) -> BuildStatus {
-        self.status
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clone()
-    }
-
-    /// Asks it to stop at the next step.
-    pub fn cancel(&self) {
-        self.cancel.store(true, Ordering::Relaxed);
-    }
-
-    /// Whether it was asked to stop.
-    pub fn is_cancelled(&self) -> bool {
-        self.cancel.load(Ordering::Relaxed)
-    }
-
-    /// The outcome, once there is one.
-    pub fn poll(&self) -> Option<Result<Scene, BuildError>> {
-        match self.result.try_recv() {
-            Ok(result) => Some(result),
-            Err(mpsc::TryRecvError::Empty) => None,
-            Err(mpsc::TryRecvError::Disconnected) => {
-                Some(Err(BuildError("the builder stopped unexpectedly".into())))
-            }
-        }
-    }
-}
-
-impl Drop for Build {
-    fn drop(&mut self) {
-        self.cancel();
-    }
+/// Starts building; `wake` is called when something is new to show.
+///
+/// # Errors
+/// When the system refuses another thread.
+pub fn build(source: Source, purpose: Use, wake: Wake) -> std::io::Result<Build> {
+    let status = BuildStatus {
+        scenario: source.name(),
+        part: "scenario".into(),
+        fraction: 0.0,
+    };
+    Job::start("builder", status, wake, move |progress| {
+        scenario::build(Arc::new(source.read()?), purpose, progress)
+    })
 }

@@ -4,6 +4,7 @@
 
 mod builder;
 mod demo;
+mod job;
 mod live;
 mod recording;
 mod replay;
@@ -113,7 +114,7 @@ impl Bench {
 
     /// Starts building a scene; one that is being built is cancelled.
     pub fn open(&mut self, source: Source) {
-        match Build::start(source, PURPOSE, self.wake.clone()) {
+        match builder::build(source, PURPOSE, self.wake.clone()) {
             Ok(build) => self.build = Some(build),
             Err(e) => self.tell(Level::Error, format!("the builder cannot start: {e}")),
         }
@@ -202,7 +203,9 @@ impl Bench {
         let Some(build) = &self.build else {
             return false;
         };
-        let Some(result) = build.poll() else {
+        let Some(result) =
+            build.poll(|| Err(BuildError("the builder stopped unexpectedly".into())))
+        else {
             return false;
         };
         let cancelled = build.is_cancelled();
@@ -278,7 +281,11 @@ impl Bench {
     }
 
     fn poll_opening(&mut self) -> bool {
-        let Some(opened) = self.opening.as_ref().and_then(Opening::poll) else {
+        let Some(opened) = self
+            .opening
+            .as_ref()
+            .and_then(|o| o.poll(|| Err("the recording could not be read".into())))
+        else {
             return false;
         };
         self.opening = None;
@@ -373,7 +380,7 @@ impl Bench {
 
     /// Reads a recording and replays it.
     pub fn open_recording(&mut self, path: PathBuf) {
-        let opening = Opening::start(path, self.scene.clone(), PURPOSE, self.wake.clone());
+        let opening = replay::open(path, self.scene.clone(), PURPOSE, self.wake.clone());
         match opening {
             Ok(opening) => self.opening = Some(opening),
             Err(e) => self.tell(Level::Error, format!("the reader cannot start: {e}")),

@@ -212,30 +212,17 @@ fn recording_name(header: &Header) -> String {
     }
 }
 
-/// The hash of a surface as sessions write it.
-pub fn hash_hex(surface: &crate::surface::Surface) -> String {
-    surface.hash().iter().map(|b| format!("{b:02x}")).collect()
-}
-
 /// What a recording of `scene` on `live` says about itself.
 pub fn header(scene: &Scene, live: &Live) -> Header {
     let limits = live.limits();
     Header {
         scenario_toml: scene.scenario.source.clone(),
         scenario_name: scene.scenario.name.clone(),
-        mesh: MeshSource {
-            hash: hash_hex(&scene.surface),
-            origin: scene.mesh_origin.clone(),
-            triangles: scene.surface.triangles().len(),
-        },
+        mesh: MeshSource::new(&scene.surface, &scene.mesh_origin),
         devices: live
             .names()
             .iter()
-            .map(|name| DeviceInfo {
-                name: name.clone(),
-                rated_force_n: limits.rated_force_n,
-                rise_n_per_s: limits.rise_n_per_s,
-            })
+            .map(|name| DeviceInfo::new(name, &limits))
             .collect(),
         rate_hz: live.rate_hz(),
         build: session::build_id(),

@@ -2,14 +2,14 @@
 
 use super::Wake;
 use super::file_name;
+use super::job::Job;
 use crate::app::history::History;
 use crate::app::state::{BuildStatus, PlaybackStatus};
 use crate::scenario::{self, Scenario, Scene, Use};
 use crate::servo::FingerRecord;
-use crate::session::{Playback, Recording, Session, reader::Strictness};
+use crate::session::{MeshSource, Playback, Recording, Session, reader::Strictness};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError, mpsc};
+use std::sync::{Arc, Mutex};
 
 /// A recording that is open.
 pub struct Replay {
@@ -23,73 +23,26 @@ pub struct Replay {
 pub type Opened = Result<(Replay, Vec<String>), String>;
 
 /// A recording that is being read.
-pub struct Opening {
-    status: Arc<Mutex<BuildStatus>>,
-    cancel: Arc<AtomicBool>,
-    result: mpsc::Receiver<Opened>,
-}
+pub type Opening = Job<Opened>;
 
-impl Opening {
-    /// Starts reading `path`. `open` is the scene that is open: it serves if it is the recorded one.
-    ///
-    /// # Errors
-    /// When the system refuses another thread.
-    pub fn start(
-        path: PathBuf,
-        open: Option<Arc<Scene>>,
-        purpose: Use,
-        wake: Wake,
-    ) -> std::io::Result<Self> {
-        let status = Arc::new(Mutex::new(BuildStatus {
-            scenario: file_name(&path),
-            part: "recording".into(),
-            fraction: 0.0,
-        }));
-        let cancel = Arc::new(AtomicBool::new(false));
-        let (send, result) = mpsc::sync_channel(1);
-        let (shared, stop) = (status.clone(), cancel.clone());
-        std::thread::Builder::new()
-            .name("replay reader".into())
-            .spawn(move || {
-                let mut progress = |part: &str, fraction: f64| {
-                    let mut status = shared.lock().unwrap_or_else(PoisonError::into_inner);
-                    part.clone_into(&mut status.part);
-                    status.fraction = fraction;
-                    !stop.load(Ordering::Relaxed)
-                };
-                let _ = send.send(read(&path, open, purpose, &mut progress));
-                wake();
-            })?;
-        Ok(Self {
-            status,
-            cancel,
-            result,
-        })
-    }
-
-    /// How far it is.
-    pub fn status(&self) -> BuildStatus {
-        self.status
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clone()
-    }
-
-    /// Asks it to stop at the next step.
-    pub fn cancel(&self) {
-        self.cancel.store(true, Ordering::Relaxed);
-    }
-
-    /// The outcome, once there is one.
-    pub fn poll(&self) -> Option<Opened> {
-        match self.result.try_recv() {
-            Ok(opened) => Some(opened),
-            Err(mpsc::TryRecvError::Empty) => None,
-            Err(mpsc::TryRecvError::Disconnected) => {
-                Some(Err("the recording could not be read".into()))
-            }
-        }
-    }
+/// Starts reading `path`. `open` is the scene that is open: it serves if it is the recorded one.
+///
+/// # Errors
+/// When the system refuses another thread.
+pub fn open(
+    path: PathBuf,
+    open: Option<Arc<Scene>>,
+    purpose: Use,
+    wake: Wake,
+) -> std::io::Result<Opening> {
+    let status = BuildStatus {
+        scenario: file_name(&path),
+        part: "recording".into(),
+        fraction: 0.0,
+    };
+    Job::start("replay reader", status, wake, move |progress| {
+        read(&path, open, purpose, progress)
+    })
 }
 
 fn read(
@@ -126,7 +79,7 @@ fn read(
         },
     };
     if let Some(scene) = &scene
-        && super::recording::hash_hex(&scene.surface) != header.mesh.hash
+        && MeshSource::new(&scene.surface, &scene.mesh_origin).hash != header.mesh.hash
     {
         remarks.push(format!(
             "{}: recorded on another mesh than {} is now; what is drawn may not fit",
