@@ -269,20 +269,34 @@ fn time_mark(time_s: f64, from_s: f64, to_s: f64) -> String {
 }
 
 /// Labels stand at the coarse marks only.
+/// The value with as many decimals as it has, at most three: the middle of an axis up to 5 is 2.5.
 fn value_mark(mark: egui_plot::GridMark) -> String {
-    let value = mark.value;
-    if value == 0.0 {
-        "0".into()
-    } else if value.abs() < 1.0 {
-        format!("{value:.1}")
-    } else {
-        format!("{value:.0}")
-    }
+    let rounded = (mark.value * 1000.0).round() / 1000.0;
+    // Adding zero turns −0 into 0.
+    format!("{}", rounded + 0.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn value_marks_tell_the_value_they_stand_at() {
+        let text = |value| {
+            value_mark(egui_plot::GridMark {
+                value,
+                step_size: 5.0,
+            })
+        };
+        assert_eq!(
+            [text(0.0), text(-0.0), text(2.5), text(5.0)],
+            ["0", "0", "2.5", "5"]
+        );
+        assert_eq!(
+            [text(0.25), text(0.1 + 0.2), text(5e11)],
+            ["0.25", "0.3", "500000000000"]
+        );
+    }
 
     #[test]
     fn time_marks_fit_their_span() {
