@@ -3,7 +3,12 @@
 //! All structures answer the same trait; [`brute`] is the yardstick the others are tested against.
 
 pub mod brute;
+pub mod bsp;
 pub mod bvh;
+pub mod hdb;
+pub mod hybrid;
+pub mod octree;
+pub mod tree;
 
 use crate::geom::{Aabb, Vec3};
 use crate::surface::Surface;
@@ -74,5 +79,14 @@ pub fn all() -> &'static [(&'static str, Builder)] {
     &[
         ("brute", |_| Box::new(brute::Brute)),
         ("bvh", |surface| Box::new(bvh::Bvh::new(surface))),
+        ("bsp", |surface| {
+            Box::new(bsp::Bsp::new(surface, &Default::default()))
+        }),
+        ("octree", |surface| {
+            Box::new(octree::Octree::new(surface, &Default::default()))
+        }),
+        ("hybrid", |surface| {
+            Box::new(hybrid::Hybrid::new(surface, &Default::default()))
+        }),
     ]
 }
