@@ -6,6 +6,7 @@
 mod common;
 mod headless;
 mod mesh;
+mod partition;
 mod replay;
 mod run;
 mod scene;
@@ -73,6 +74,8 @@ enum Command {
     /// Look into mesh files, or write the built-in back.
     #[command(subcommand)]
     Mesh(mesh::MeshCommand),
+    /// Build a search structure over a mesh: statistics, checks, what a haptic detecting box gathers.
+    Partition(partition::PartitionArgs),
 }
 
 /// Prints a line, or several, on stdout. Whoever closed the pipe has read enough: that is no error.
@@ -109,6 +112,7 @@ pub fn main() -> u8 {
         Some(Command::Replay(args)) => replay::run(args, json),
         Some(Command::Scene(args)) => scene::run(args, json),
         Some(Command::Mesh(command)) => mesh::run(command, json),
+        Some(Command::Partition(args)) => partition::run(args, json),
     };
     match outcome {
         Ok(Outcome::Done) => 0,
