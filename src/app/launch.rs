@@ -156,6 +156,7 @@ impl Errand {
         if self.scene_since.is_none() && self.workbench.frames_with_scene() > 0 {
             self.scene_since = Some(Instant::now());
         }
+        super::panels::back_view::draw_finely(ctx);
         let due = Duration::try_from_secs_f64(screenshot.after_s).unwrap_or_default();
         if self.scene_since.is_some_and(|since| since.elapsed() >= due) {
             let path = screenshot.path.clone();

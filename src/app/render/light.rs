@@ -12,6 +12,7 @@ pub struct Light {
     key: [f32; 3],
     fill: [f32; 3],
     rim: [f32; 3],
+    up: [f32; 3],
 }
 
 impl Light {
@@ -35,9 +36,10 @@ impl Light {
                 .map(|x| x as f32),
             eye: eye.to_array().map(|x| x as f32),
             // The key grazes: a slope of one degree changes its light by two per cent.
-            key: from_camera(-0.70, 0.58, 0.48),
-            fill: from_camera(0.80, 0.05, 0.60),
-            rim: from_camera(0.65, 0.45, -0.60),
+            key: from_camera(-0.70, 0.52, 0.49),
+            fill: from_camera(0.85, 0.05, 0.52),
+            rim: from_camera(0.35, 0.65, -0.68),
+            up: from_camera(0.0, 1.0, 0.0),
         }
     }
 
@@ -48,6 +50,7 @@ impl Light {
         program.vec3("u_key", self.key);
         program.vec3("u_fill", self.fill);
         program.vec3("u_rim", self.rim);
+        program.vec3("u_up", self.up);
     }
 
     /// Sets the matrix only.

@@ -64,6 +64,8 @@ pub struct Picture {
     pub palette: Palette,
     /// Whether edges are drawn over the skin.
     pub wireframe: bool,
+    /// Drawn with one sample per pixel: for pictures that the next one soon replaces.
+    pub draft: bool,
     /// The fingers. The first four cast a shadow.
     pub spheres: Vec<Sphere>,
     /// The forces.
@@ -104,8 +106,10 @@ pub struct Renderer {
     solid_array: VertexArray,
     solids: Solids,
     skin: Option<Skin>,
-    target: Option<Target>,
+    /// The fine one and the one for drafts, each made when first drawn on.
+    targets: [Option<Target>; 2],
     max_samples: i32,
+    is_software: bool,
     shown: Option<Picture>,
 }
 
@@ -119,7 +123,7 @@ impl Renderer {
         let solid_array = VertexArray::new(gl, 2)?;
         let stride = size_of::<SolidVertex>();
         // SAFETY: the context is current; array and buffers are its own and bound before attributes are declared.
-        let max_samples = unsafe {
+        let (max_samples, is_software) = unsafe {
             gl.bind_vertex_array(Some(solid_array.vao));
             gl.bind_buffer(glow::ARRAY_BUFFER, Some(solid_array.buffers[0]));
             attribute(gl, 0, 3, glow::FLOAT, stride, 0);
@@ -127,7 +131,10 @@ impl Renderer {
             attribute(gl, 2, 4, glow::UNSIGNED_BYTE, stride, 24);
             gl.bind_buffer(glow::ELEMENT_ARRAY_BUFFER, Some(solid_array.buffers[1]));
             gl.bind_vertex_array(None);
-            gl.get_parameter_i32(glow::MAX_SAMPLES)
+            (
+                gl.get_parameter_i32(glow::MAX_SAMPLES),
+                draws_in_software(&gl.get_parameter_string(glow::RENDERER)),
+            )
         };
         Ok(Self {
             floor: Program::new(
@@ -153,10 +160,16 @@ impl Renderer {
             solid_array,
             solids: Solids::default(),
             skin: None,
-            target: None,
+            targets: [None, None],
             max_samples,
+            is_software,
             shown: None,
         })
+    }
+
+    /// Whether OpenGL draws on the processor, where samples and pixels are dear.
+    pub fn is_software(&self) -> bool {
+        self.is_software
     }
 
     /// Shows `picture` of `mesh` in the current viewport and scissor of the current framebuffer.
@@ -189,7 +202,7 @@ impl Renderer {
             gl.disable(glow::CULL_FACE);
         }
         let painted = outcome?;
-        self.present(gl);
+        self.present(gl, picture.draft);
         Ok(painted)
     }
 
@@ -216,14 +229,16 @@ impl Renderer {
                 changed = true;
             }
         }
-        if self.target.as_ref().map(Target::size_px) != Some(size_px) {
-            if let Some(old) = self.target.take() {
+        let target = &mut self.targets[usize::from(picture.draft)];
+        if target.as_ref().map(Target::size_px) != Some(size_px) {
+            if let Some(old) = target.take() {
                 old.delete(gl);
             }
-            self.target = Some(Target::new(gl, size_px, self.max_samples.min(4))?);
+            let samples = if picture.draft { 1 } else { 4 };
+            *target = Some(Target::new(gl, size_px, self.max_samples.min(samples))?);
             changed = true;
         }
-        let Some(target) = &self.target else {
+        let Some(target) = &self.targets[usize::from(picture.draft)] else {
             return Ok(Painted::default());
         };
         let painted = Painted {
@@ -246,7 +261,7 @@ impl Renderer {
             }
         }
         self.draw_solids(gl, &light);
-        if let Some(target) = &self.target {
+        if let Some(target) = &self.targets[usize::from(picture.draft)] {
             target.resolve(gl);
         }
         self.shown = Some(picture.clone());
@@ -318,8 +333,10 @@ impl Renderer {
         }
     }
 
-    fn present(&self, gl: &glow::Context) {
-        let Some(target) = &self.target else { return };
+    fn present(&self, gl: &glow::Context, draft: bool) {
+        let Some(target) = &self.targets[usize::from(draft)] else {
+            return;
+        };
         let program = self.present.bind(gl);
         program.int("u_picture", 0);
         // SAFETY: the context is current; three vertices without attributes.
@@ -341,12 +358,44 @@ impl Renderer {
         if let Some(skin) = self.skin {
             skin.delete(gl);
         }
-        if let Some(target) = self.target {
+        for target in self.targets.into_iter().flatten() {
             target.delete(gl);
         }
         for program in [self.floor, self.present, self.solid] {
             program.delete(gl);
         }
         self.skin_programs.delete(gl);
+    }
+}
+
+/// Whether a driver's name for its renderer is that of one that works on the processor.
+fn draws_in_software(renderer: &str) -> bool {
+    let name = renderer.to_lowercase();
+    [
+        "llvmpipe",
+        "softpipe",
+        "swrast",
+        "swiftshader",
+        "software",
+        "basic render",
+    ]
+    .iter()
+    .any(|known| name.contains(known))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn renderers_on_the_processor_are_known_by_name() {
+        assert!(draws_in_software("llvmpipe (LLVM 19.1.7, 256 bits)"));
+        assert!(draws_in_software(
+            "ANGLE (Google, Vulkan 1.3.0 (SwiftShader Device))"
+        ));
+        assert!(!draws_in_software(
+            "Mesa Intel(R) Iris(R) Xe Graphics (TGL GT2)"
+        ));
+        assert!(!draws_in_software("NVIDIA GeForce RTX 4070/PCIe/SSE2"));
     }
 }

@@ -1,18 +1,19 @@
 //! What light the shape of the rest surface keeps out, and where the skin is a little redder: baked once per vertex.
 //!
-//! *Openness* is the mean, over the surface around a vertex, of how far its neighbourhood lies below the tangent plane,
-//! as a sine: positive on a ridge, negative in a hollow. It is a first-order ambient occlusion that also brightens
-//! ridges (in the spirit of accessibility shading, Miller 1994) and, unlike rays, needs no sampling noise to be hidden. Two
-//! widths are added: the furrow and the shoulder blades (45 mm), spinous bumps and dimples (14 mm).
+//! *Hollowness* is the mean height, over the surface around a vertex, above the tangent plane, per width of what counts as
+//! around: positive in a hollow, negative on a ridge, w ∕ ρ on a bowl of radius ρ ≫ w. It is a first-order ambient
+//! occlusion that also brightens ridges (in the spirit of accessibility shading, Miller 1994) and, unlike rays, needs no
+//! sampling noise to be hidden. Three widths are added, so that the light falls off softly from the wide hollows (loin,
+//! beside the shoulder blades) to the narrow ones (furrow, dimples); far more of it is drawn little darker.
 
 use super::mesh::Shade;
 use crate::geom::{Vec3, unit_or};
 use crate::surface::Surface;
 use std::collections::BTreeMap;
 
-/// Width of the neighbourhood (mm; its kernel is that of a Gaussian of this deviation) and weight of its openness in the
-/// baked byte.
-const WIDTHS: [(f64, f64); 2] = [(45.0, 2.1), (14.0, 2.6)];
+/// Width of the neighbourhood (mm; its kernel is that of a Gaussian of this deviation) and weight of its hollowness. A
+/// sum of 1 is most of the way to full shade.
+const WIDTHS: [(f64, f64); 3] = [(36.0, 0.9), (18.0, 3.0), (10.0, 2.2)];
 /// Cells per width of the summary that stands for the surface around.
 const CELLS_PER_WIDTH: f64 = 2.0;
 /// Reach of the kernel (1 − d²/R²)³ in widths: R at which it comes nearest to the Gaussian.
@@ -20,11 +21,11 @@ const REACH: f64 = 2.5;
 
 /// Bakes every vertex on up to `n_threads` threads. The result does not depend on how many.
 ///
-/// Cost: some 150 patches visited per vertex, at most 4 µs per vertex and thread (measured at opt-level 1); linear in
+/// Cost: some 240 patches visited per vertex, at most 9 µs per vertex and thread (measured at opt-level 1); linear in
 /// the number of vertices.
 pub fn bake(surface: &Surface, n_threads: usize) -> Vec<Shade> {
     let n = surface.positions().len();
-    let mut open = vec![0.5; n];
+    let mut hollow = vec![0.0; n];
     for (width_mm, weight) in WIDTHS {
         let summary = Summary::new(surface, width_mm);
         // By cell, so that the patches around are gathered once for all its vertices.
@@ -37,7 +38,7 @@ pub fn bake(surface: &Surface, n_threads: usize) -> Vec<Shade> {
         std::thread::scope(|scope| {
             for (order, found) in order.chunks(chunk).zip(found.chunks_mut(chunk)) {
                 let summary = &summary;
-                let mut work = move || summary.openness_of(surface, order, found);
+                let mut work = move || summary.hollowness_of(surface, order, found);
                 if n_threads <= 1 {
                     work();
                 } else {
@@ -46,25 +47,26 @@ pub fn bake(surface: &Surface, n_threads: usize) -> Vec<Shade> {
             }
         });
         for (&(_, v), found) in order.iter().zip(found) {
-            open[v as usize] += weight * found;
+            hollow[v as usize] += weight * found;
         }
     }
     surface
         .positions()
         .iter()
-        .zip(open)
-        .map(|(&p, open)| {
+        .zip(hollow)
+        .map(|(&p, hollow)| {
             let [warm, light] = tone(p);
+            let open = 0.5 - 0.5 * hollow / (1.0 + hollow * hollow).sqrt();
             [open, warm, light, 1.0].map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u8)
         })
         .collect()
 }
 
-/// How red and how light the skin is at a place, each 0…1: two octaves of noise each.
+/// How red and how light the skin is at a place, each 0…1: slow, so that no patch of it is taken for relief.
 fn tone(p: Vec3) -> [f64; 2] {
     [
-        value_noise(p / 46.0) * 0.65 + value_noise(p / 17.0 + Vec3::splat(9.7)) * 0.35,
-        value_noise(p / 80.0 + Vec3::splat(31.3)) * 0.6 + value_noise(p / 9.0 - Vec3::X) * 0.4,
+        value_noise(p / 60.0) * 0.7 + value_noise(p / 24.0 + Vec3::splat(9.7)) * 0.3,
+        value_noise(p / 90.0 + Vec3::splat(31.3)),
     ]
 }
 
@@ -111,7 +113,7 @@ impl Summary {
         }
     }
 
-    fn openness_of(&self, surface: &Surface, order: &[([i32; 3], u32)], found: &mut [f64]) {
+    fn hollowness_of(&self, surface: &Surface, order: &[([i32; 3], u32)], found: &mut [f64]) {
         let mut around = Vec::new();
         let mut gathered_at = None;
         for (&(cell, v), found) in order.iter().zip(found) {
@@ -123,12 +125,12 @@ impl Summary {
                 surface.positions()[v as usize],
                 surface.normals()[v as usize],
             );
-            *found = self.openness(p, n, &around);
+            *found = self.hollowness(p, n, &around);
         }
     }
 
-    /// −1…1: mean sine of the angle by which the surface around `p` lies below the plane with normal `n`.
-    fn openness(&self, p: Vec3, n: Vec3, around: &[Patch]) -> f64 {
+    /// Mean height of the surface around `p` above the plane with normal `n`, per width.
+    fn hollowness(&self, p: Vec3, n: Vec3, around: &[Patch]) -> f64 {
         let (mut sum, mut weight) = (0.0, 0.0);
         let per_reach = 1.0 / (self.reach_mm * self.reach_mm);
         for patch in around {
@@ -138,11 +140,15 @@ impl Summary {
             let facing = n.dot(patch.normal);
             if left > 0.0 && facing > 0.0 {
                 let w = patch.area_mm2 * facing * left * left * left;
-                sum -= w * n.dot(d) / d.length().max(0.35 * self.cell_mm);
+                sum += w * n.dot(d);
                 weight += w;
             }
         }
-        if weight > 0.0 { sum / weight } else { 0.0 }
+        if weight > 0.0 {
+            sum / weight * (REACH / self.reach_mm)
+        } else {
+            0.0
+        }
     }
 
     fn gather(&self, cell: [i32; 3], around: &mut Vec<Patch>) {

@@ -8,10 +8,15 @@ use super::mesh::{PLAIN_SHADE, SkinMesh, SkinVertex, edges};
 use eframe::glow::{self, HasContext as _};
 use std::ops::Range;
 
+const SKIN_VERT: &str = include_str!("shaders/skin.vert");
+const SKIN_FRAG: &str = include_str!("shaders/skin.frag");
+
 /// Programs for the skin; made once per context.
 #[derive(Debug)]
 pub struct SkinPrograms {
     skin: Program,
+    /// With pores: a program of its own, since their noise is most of its cost and mostly too fine to be seen.
+    pores: Program,
     wire: Program,
 }
 
@@ -22,11 +27,12 @@ impl SkinPrograms {
     /// What the driver's compiler says.
     pub fn new(gl: &glow::Context) -> Result<Self, String> {
         Ok(Self {
-            skin: Program::new(
+            skin: Program::new(gl, "skin", SKIN_VERT, SKIN_FRAG)?,
+            pores: Program::new(
                 gl,
-                "skin",
-                include_str!("shaders/skin.vert"),
-                include_str!("shaders/skin.frag"),
+                "skin with pores",
+                SKIN_VERT,
+                &format!("#define PORES\n{SKIN_FRAG}"),
             )?,
             wire: Program::new(
                 gl,
@@ -40,9 +46,13 @@ impl SkinPrograms {
     /// Frees them.
     pub fn delete(self, gl: &glow::Context) {
         self.skin.delete(gl);
+        self.pores.delete(gl);
         self.wire.delete(gl);
     }
 }
+
+/// Linear colour of skin.
+const SKIN_ALBEDO: [f32; 3] = [0.680, 0.422, 0.315];
 
 const VERTICES: usize = 0;
 const SHADE: usize = 1;
@@ -159,20 +169,18 @@ impl Skin {
         picture: &Picture,
         light: &Light,
     ) {
-        let program = programs.skin.bind(gl);
-        light.set(&program);
-        program.vec3(
-            "u_albedo",
-            if picture.palette.dark {
-                [0.525, 0.372, 0.302]
-            } else {
-                [0.555, 0.398, 0.325]
-            },
-        );
-        program.float("u_exposure", if picture.palette.dark { 0.94 } else { 1.06 });
         // Pores are about 1 mm apart: they fade in between 3 and 7 pixels.
-        let px = picture.target_px_per_mm();
-        program.float("u_pores", ((px - 3.0) / 4.0).clamp(0.0, 1.0) as f32);
+        let pores = ((picture.target_px_per_mm() - 3.0) / 4.0).clamp(0.0, 1.0) as f32;
+        let program = if pores > 0.0 {
+            programs.pores.bind(gl)
+        } else {
+            programs.skin.bind(gl)
+        };
+        light.set(&program);
+        let dark = picture.palette.dark;
+        program.vec3("u_albedo", SKIN_ALBEDO);
+        program.float("u_exposure", if dark { 0.90 } else { 1.0 });
+        program.float("u_pores", pores);
         let fingers: Vec<[f32; 4]> = picture
             .spheres
             .iter()

@@ -27,6 +27,7 @@ use gesture::Gesture;
 use palpate::{Palpation, Targets};
 use skin::DrawnSkin;
 use stage::SharedStage;
+pub use stage::draw_finely;
 
 /// What is shown beside the skin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -140,7 +141,10 @@ impl Panel for BackView {
 
         let Some(skin) = &self.skin else { return };
         let fingers = model::fingers(skin.scene(), skin.displacement(), &cx.view.fingers);
-        self.stage.lock().picture = Some(self.picture(cx, &fingers));
+        // A finger pressed by a script or a device shows as well how it is done.
+        self.pressed_once |= fingers.iter().any(|f| f.hip_mm.is_some());
+        let picture = self.picture(cx, &fingers);
+        self.stage.lock().set_picture(picture, ui.ctx());
         ui.painter().add(self.stage.callback(rect));
 
         overlay::show(
@@ -252,6 +256,7 @@ impl BackView {
                 }),
             },
             wireframe: self.options.wireframe,
+            draft: false,
             spheres: fingers
                 .iter()
                 .map(|f| Sphere {

@@ -25,8 +25,12 @@ pub struct Shown<'a> {
     pub options: Options,
 }
 
-const HINT: &str = "Hold the left button to press · wheel or W S set the depth · \
-                    move to slide · P parks the other finger · right-drag turns the view";
+/// How to press, in a line: the longest that fits is shown.
+const HINTS: [&str; 3] = [
+    "Hold the left button to press · wheel or W S set the depth · move to slide · P parks the other finger · right-drag turns",
+    "Hold the left button to press · wheel sets the depth · right-drag turns the view",
+    "Hold the left button to press",
+];
 
 /// The plate that keeps text readable over the picture.
 pub fn plate(theme: &Theme) -> egui::Frame {
@@ -45,9 +49,9 @@ pub fn show(ui: &mut egui::Ui, rect: egui::Rect, shown: &Shown<'_>) {
     for finger in shown.fingers {
         finger_marks(&painter, rect, shown, finger);
     }
-    scale(&painter, rect, shown);
+    let scale_end = scale(&painter, rect, shown);
     numbers_ui(ui, rect, shown);
-    hint(ui, &painter, rect, shown);
+    hint(ui, &painter, rect, shown, scale_end);
     if shown.focus_ring {
         painter.rect_stroke(
             rect.shrink(1.0),
@@ -131,8 +135,8 @@ fn finger_marks(painter: &egui::Painter, rect: egui::Rect, shown: &Shown<'_>, fi
     }
 }
 
-/// A bar of round length and an arrow of round force, at the depth the camera looks at.
-fn scale(painter: &egui::Painter, rect: egui::Rect, shown: &Shown<'_>) {
+/// A bar of round length and an arrow of round force, at the depth the camera looks at. Returns where they end on the right.
+fn scale(painter: &egui::Painter, rect: egui::Rect, shown: &Shown<'_>) -> f32 {
     let theme = shown.theme;
     let size = pixels::delta(rect.size());
     let px_per_mm = shown.camera.px_per_mm(shown.camera.target_mm, size.y);
@@ -140,14 +144,16 @@ fn scale(painter: &egui::Painter, rect: egui::Rect, shown: &Shown<'_>) {
     let left = rect.left() + 16.0;
     let mut y = rect.bottom() - 18.0;
     let ink = Stroke::new(1.5, theme.text.gamma_multiply(0.85));
-    let text = |y, length, words: String| {
-        painter.text(
+    let mut end = left;
+    let mut text = |y, length, words: String| {
+        let place = painter.text(
             pos2(left + length + 8.0, y),
             Align2::LEFT_CENTER,
             words,
             FontId::proportional(12.0),
             theme.text.gamma_multiply(0.9),
         );
+        end = end.max(place.right());
     };
     if let Some(mm) = model::round_below(most_px / px_per_mm.max(1e-9)) {
         let length = pixels::points(mm * px_per_mm);
@@ -172,6 +178,7 @@ fn scale(painter: &egui::Painter, rect: egui::Rect, shown: &Shown<'_>) {
         ));
         text(y, length, format!("{newtons} N"));
     }
+    end
 }
 
 /// Depth, force and stiffness of each finger, in columns that do not move.
@@ -249,8 +256,14 @@ fn row_ui(ui: &mut egui::Ui, shown: &Shown<'_>, index: usize) {
     cell(ui, 3, number(stiffness, 2, "N/mm"));
 }
 
-/// How to press, until one has.
-fn hint(ui: &egui::Ui, painter: &egui::Painter, rect: egui::Rect, shown: &Shown<'_>) {
+/// How to press, until one has: a quiet line below the back, beside the scale that ends at `scale_end`.
+fn hint(
+    ui: &egui::Ui,
+    painter: &egui::Painter,
+    rect: egui::Rect,
+    shown: &Shown<'_>,
+    scale_end: f32,
+) {
     let strength = ui.ctx().animate_bool_with_time(
         egui::Id::unique("back view hint"),
         shown.hint && shown.palpation.is_some(),
@@ -259,22 +272,18 @@ fn hint(ui: &egui::Ui, painter: &egui::Painter, rect: egui::Rect, shown: &Shown<
     if strength <= 0.0 {
         return;
     }
-    let theme = shown.theme;
-    let wrap = (rect.width() - 48.0).min(520.0);
-    let text = painter.layout(
-        HINT.to_owned(),
-        FontId::proportional(13.0),
-        theme.text.gamma_multiply(strength),
-        wrap,
-    );
-    let middle = pos2(rect.center().x, rect.bottom() - 34.0 - text.size().y);
-    let at = egui::Rect::from_center_size(middle, text.size());
-    painter.rect_filled(
-        at.expand2(vec2(12.0, 7.0)),
-        8.0,
-        theme.panel.gamma_multiply(0.88 * strength),
-    );
-    painter.galley(at.min, text, theme.text);
+    let ink = shown.theme.text.gamma_multiply(0.8 * strength);
+    let (from, to) = (scale_end + 24.0, rect.right() - 16.0);
+    let fitting = HINTS.iter().find_map(|&words| {
+        let text = painter.layout_no_wrap(words.to_owned(), FontId::proportional(12.0), ink);
+        (text.size().x <= to - from).then_some(text)
+    });
+    if let Some(text) = fitting {
+        let (size, room) = (text.size(), to - from);
+        // In the middle of the picture, unless the scale is in the way.
+        let x = (rect.center().x - size.x / 2.0).clamp(from, from + (room - size.x));
+        painter.galley(pos2(x, rect.bottom() - 18.0 - size.y / 2.0), text, ink);
+    }
 }
 
 #[cfg(test)]

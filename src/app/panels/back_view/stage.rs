@@ -4,10 +4,21 @@ use crate::app::render::mesh::{Shade, SkinMesh};
 use crate::app::render::{Painted, Picture, Renderer, shade};
 use crate::surface::Surface;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Surfaces up to this many vertices are baked at once: it takes a few ms, and the first frame shows them finished.
-const BAKED_AT_ONCE: usize = 12_000;
+const BAKED_AT_ONCE: usize = 5_000;
+/// How long nothing may have moved until a draft is drawn finely.
+const STILL: Duration = Duration::from_millis(150);
+
+fn finely_id() -> egui::Id {
+    egui::Id::unique("back view without drafts")
+}
+
+/// Never draws drafts from now on: for a window that is to be pictured.
+pub fn draw_finely(ctx: &egui::Context) {
+    ctx.data_mut(|d| d.insert_temp(finely_id(), true));
+}
 
 /// The state behind the paint callback.
 #[derive(Debug, Default)]
@@ -16,7 +27,9 @@ pub struct Stage {
     /// The skin on show.
     pub mesh: Option<SkinMesh>,
     /// What to draw beside it.
-    pub picture: Option<Picture>,
+    picture: Option<Picture>,
+    /// When picture or skin last changed.
+    moved: Option<Instant>,
     /// Why nothing can be drawn, in words.
     pub fault: Option<String>,
     /// What the last frame did.
@@ -73,6 +86,27 @@ impl Stage {
         }
         self.mesh = Some(mesh);
         self.picture = None;
+        self.moved = None;
+    }
+
+    /// Hands in what to draw next, as a fine picture. Where OpenGL draws on the processor a moving one is drawn as a draft
+    /// instead, and `ctx` is woken when it has been still for long enough.
+    pub fn set_picture(&mut self, mut picture: Picture, ctx: &egui::Context) {
+        if let Some(last) = &self.picture {
+            picture.size_px = last.size_px;
+            picture.draft = last.draft;
+            if *last != picture || self.mesh.as_ref().is_some_and(SkinMesh::has_changes) {
+                self.moved = Some(Instant::now());
+            }
+        }
+        let still_in = self.moved.and_then(|at| STILL.checked_sub(at.elapsed()));
+        let software = self.renderer.as_ref().is_some_and(Renderer::is_software);
+        let finely = ctx.data(|d| d.get_temp(finely_id()).unwrap_or(false));
+        picture.draft = still_in.is_some() && software && !finely;
+        if let Some(rest) = still_in.filter(|_| picture.draft) {
+            ctx.request_repaint_after(rest);
+        }
+        self.picture = Some(picture);
     }
 
     /// Takes over a finished bake.
