@@ -6,7 +6,7 @@ use crate::surface::Surface;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
 use std::time::{Duration, Instant};
 
-/// Surfaces up to this many vertices are baked at once: it takes a few ms, and the first frame shows them finished.
+/// Surfaces up to this many vertices are baked at once: it takes less than 0.1 s, and the first frame shows them finished.
 const BAKED_AT_ONCE: usize = 5_000;
 /// How long nothing may have moved until a draft is drawn finely.
 const STILL: Duration = Duration::from_millis(150);
