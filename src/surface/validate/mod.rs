@@ -356,7 +356,7 @@ fn describe(
     report.rims = rims;
 }
 
-/// All rim loops; `component` holds the first triangle for now.
+/// All rim loops; `component` holds a triangle of the loop until the components are numbered.
 fn rims(positions: &[Vec3], triangles: &[[u32; 3]], topology: &Topology) -> Vec<RimLoop> {
     let mut done = super::topology::Bits::new(positions.len());
     let mut rims = Vec::new();
