@@ -21,6 +21,7 @@ use egui_kittest::{Harness, TestRenderer, kittest::Queryable as _};
 use gl::{Api, Image, OffScreen, Painter};
 use std::cell::RefCell;
 use std::rc::Rc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
 const SIZE: [u32; 2] = [800, 600];
@@ -41,6 +42,8 @@ struct Window {
     screen: Rc<OffScreen>,
     view: Arc<Mutex<View>>,
     hands: Vec<MouseHandle>,
+    /// The panel is closed: released instead of drawn.
+    closed: Arc<AtomicBool>,
 }
 
 impl Window {
@@ -60,6 +63,8 @@ impl Window {
         let view = Arc::new(Mutex::new(view));
         let mut panel = BackView::default();
         let seen = view.clone();
+        let closed = Arc::new(AtomicBool::new(false));
+        let is_closed = closed.clone();
         let (send, _commands) = command::queue(Arc::new(|| {}));
         let harness = Harness::builder()
             .with_size([SIZE[0] as f32, SIZE[1] as f32])
@@ -70,6 +75,10 @@ impl Window {
             .renderer(Textures(painter.clone()))
             .build_ui(move |ui| {
                 let view = seen.lock().unwrap().clone();
+                if is_closed.load(Ordering::Relaxed) {
+                    panel.release(&view);
+                    return;
+                }
                 panel.ui(
                     ui,
                     &PanelContext {
@@ -84,6 +93,7 @@ impl Window {
             screen,
             view,
             hands,
+            closed,
         };
         window.frames(3);
         Some(window)
@@ -320,6 +330,33 @@ fn a_recording_on_show_cannot_be_palpated() {
     window.move_to(400.0, 330.0);
     window.button(egui::PointerButton::Primary, true, [400.0, 330.0]);
     assert_eq!(window.hands[0].target_mm(), before);
+}
+
+/// The ledger says that a closed view leaves its mesh and deformation out: they must be gone, not merely unseen.
+#[test]
+fn a_closed_view_holds_nothing_and_draws_again_when_opened() {
+    let Some(mut window) = Window::open(true) else {
+        return;
+    };
+    let skin = |image: &Image| {
+        let pixels = image.data.chunks(4);
+        pixels.filter(|p| is_skin([p[0], p[1], p[2]])).count()
+    };
+    let open = skin(&window.image());
+    let held = |window: &Window| window.view.lock().unwrap().parts.list().len();
+    assert!(
+        open > 10_000 && held(&window) == 3,
+        "{open} {}",
+        held(&window)
+    );
+    window.closed.store(true, Ordering::Relaxed);
+    window.frames(2);
+    assert_eq!((held(&window), skin(&window.image())), (0, 0));
+    window.closed.store(false, Ordering::Relaxed);
+    window.frames(3);
+    let again = skin(&window.image());
+    assert_eq!(held(&window), 3);
+    assert!(again.abs_diff(open) < open / 20, "{again} against {open}");
 }
 
 #[test]

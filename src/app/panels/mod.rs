@@ -29,6 +29,9 @@ pub trait Panel: Send {
     }
     /// Draws it into all of `ui`.
     fn ui(&mut self, ui: &mut egui::Ui, cx: &PanelContext<'_>);
+    /// Frees what it holds only for being drawn. Called each frame while it is closed, with OpenGL current where there is
+    /// one; does nothing when nothing is held.
+    fn release(&mut self, _view: &View) {}
 }
 
 /// What a panel gets to see and to ask with.

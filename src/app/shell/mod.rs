@@ -279,6 +279,14 @@ impl eframe::App for Workbench {
                 });
         });
         windows::show(&ctx, &self.shared, &self.layout);
+        for slot in self.shared.panels.iter() {
+            // A closed panel is drawn nowhere, so its lock is free; were it not, the next frame comes.
+            if self.layout.is_closed(slot.key)
+                && let Ok(mut panel) = slot.panel.try_lock()
+            {
+                panel.release(&view);
+            }
+        }
         if let Some(palette) = &mut self.palette
             && palette.ui(&ctx, &self.shared)
         {

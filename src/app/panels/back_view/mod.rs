@@ -20,8 +20,10 @@ mod toolbar;
 use super::{Panel, PanelContext};
 use crate::app::camera::{Camera, Glide, Preset};
 use crate::app::render::{Palette, Picture, arrow::Arrow, pixels, sphere::Sphere};
+use crate::app::state::View;
 use crate::app::widgets::empty_ui;
 use crate::geom::{Vec2, Vec3};
+use crate::scenario::Item;
 use egui_material_icons::icons as icon;
 use gesture::Gesture;
 use palpate::{Palpation, Targets};
@@ -88,6 +90,15 @@ impl Panel for BackView {
 
     fn home(&self) -> crate::app::dock::Home {
         crate::app::dock::Home::Main
+    }
+
+    fn release(&mut self, view: &View) {
+        if self.skin.take().is_some() {
+            self.stage.lock().release(view.gl.as_deref());
+            for item in [Item::Deformation, Item::TangentialField, Item::GraphicsMesh] {
+                view.parts.remove(item);
+            }
+        }
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, cx: &PanelContext<'_>) {

@@ -124,6 +124,16 @@ impl Stage {
         }
     }
 
+    /// Frees the skin and everything on the graphics card; the next surface starts anew.
+    pub fn release(&mut self, gl: Option<&eframe::glow::Context>) {
+        self.mesh = None;
+        self.picture = None;
+        self.baking = None;
+        if let (Some(gl), Some(renderer)) = (gl, self.renderer.take()) {
+            renderer.delete(gl);
+        }
+    }
+
     fn paint(&mut self, gl: &eframe::glow::Context, size_px: [u32; 2]) {
         let start = Instant::now();
         let (Some(picture), Some(mesh)) = (&mut self.picture, &mut self.mesh) else {
