@@ -18,10 +18,8 @@ fn scene(mesh: RawMesh, friction: Option<Friction>) -> TouchScene {
     let (surface, _) = Surface::new(mesh).unwrap();
     let search = Arc::new(Bvh::new(&surface));
     TouchScene {
-        surface: Arc::new(surface),
-        search,
-        stiffness: Stiffness::Uniform(K),
-        friction,
+        friction: friction,
+        ..TouchScene::new(Arc::new(surface), search, Stiffness::Uniform(K))
     }
 }
 

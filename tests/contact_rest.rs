@@ -17,12 +17,7 @@ const K: f64 = 0.5;
 fn scene(mesh: RawMesh) -> TouchScene {
     let (surface, _) = Surface::new(mesh).unwrap();
     let search = Arc::new(Bvh::new(&surface));
-    TouchScene {
-        surface: Arc::new(surface),
-        search,
-        stiffness: Stiffness::Uniform(K),
-        friction: None,
-    }
+    TouchScene::new(Arc::new(surface), search, Stiffness::Uniform(K))
 }
 
 /// `outer` with `inner` hollowed out of it, open where both have lost the triangles `lid`: a closed body whose cavity can

@@ -33,14 +33,12 @@ fn scene(mesh: RawMesh, friction: bool) -> TouchScene {
     let (surface, _) = Surface::new(mesh).unwrap();
     let search = Arc::new(Bvh::new(&surface));
     TouchScene {
-        surface: Arc::new(surface),
-        search,
-        stiffness: Stiffness::Uniform(1.0),
         friction: friction.then_some(Friction {
             static_coefficient: 0.46,
             dynamic_coefficient: 0.44,
             skin_looseness: 1.0,
         }),
+        ..TouchScene::new(Arc::new(surface), search, Stiffness::Uniform(1.0))
     }
 }
 

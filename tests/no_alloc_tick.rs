@@ -91,14 +91,12 @@ fn thousands_of_ticks_allocate_nothing() {
         .map(|p| 0.5 + 0.001 * p.x)
         .collect();
     let scene = TouchScene {
-        surface: Arc::new(surface),
-        search,
-        stiffness: Stiffness::PerVertex(stiffness),
         friction: Some(Friction {
             static_coefficient: 0.46,
             dynamic_coefficient: 0.44,
             skin_looseness: 1.0,
         }),
+        ..TouchScene::new(Arc::new(surface), search, Stiffness::PerVertex(stiffness))
     };
     let mut rig = Rig::new(Box::new(scene), Default::default());
     let (mut records, mut drained) = rtrb::RingBuffer::<FingerRecord>::new(1024);

@@ -16,12 +16,8 @@ fn scene() -> TouchScene {
         triangles: vec![[0, 1, 2]],
     };
     let surface = Arc::new(Surface::new(raw).expect("a triangle").0);
-    TouchScene {
-        search: Arc::new(Bvh::new(&surface)),
-        surface,
-        stiffness: Stiffness::Uniform(1.0),
-        friction: None,
-    }
+    let search = Arc::new(Bvh::new(&surface));
+    TouchScene::new(surface, search, Stiffness::Uniform(1.0))
 }
 
 fn rig() -> Rig {

@@ -48,15 +48,14 @@ fn scene(tilt: f64) -> TouchScene {
         .iter()
         .map(|p| 0.5 + 0.004 * p.x)
         .collect();
+    let search = Arc::new(Bvh::new(&surface));
     TouchScene {
-        search: Arc::new(Bvh::new(&surface)),
-        surface: Arc::new(surface),
-        stiffness: Stiffness::PerVertex(stiffness),
         friction: Some(Friction {
             static_coefficient: 0.46,
             dynamic_coefficient: 0.44,
             skin_looseness: 1.0,
         }),
+        ..TouchScene::new(Arc::new(surface), search, Stiffness::PerVertex(stiffness))
     }
 }
 

@@ -31,6 +31,16 @@ pub struct TouchScene {
 }
 
 impl TouchScene {
+    /// A frictionless scene with every choice at its default.
+    pub fn new(surface: Arc<Surface>, search: Arc<Bvh>, stiffness: Stiffness) -> Self {
+        Self {
+            surface,
+            search,
+            stiffness,
+            friction: None,
+        }
+    }
+
     /// Memory held by the search structure and the stiffness values, bytes; the surface is counted by itself.
     pub fn bytes(&self) -> usize {
         self.search.bytes() + self.stiffness.bytes()

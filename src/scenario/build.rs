@@ -108,10 +108,8 @@ pub fn build(
 
     step("Ready", 1.0)?;
     let touch = TouchScene {
-        surface: Arc::clone(&surface),
-        search,
-        stiffness,
         friction: scenario.friction,
+        ..TouchScene::new(Arc::clone(&surface), search, stiffness)
     };
     let deform = scenario.deform;
     Ok(Scene {

@@ -33,15 +33,14 @@ enum Failed {
 
 fn main() -> Result<(), Failed> {
     let (surface, _) = Surface::new(back::make(&BackOptions::with_triangles(20_389)))?;
+    let search = Arc::new(Bvh::new(&surface));
     let scene = TouchScene {
-        search: Arc::new(Bvh::new(&surface)),
-        surface: Arc::new(surface),
-        stiffness: Stiffness::Uniform(0.6),
         friction: Some(Friction {
             static_coefficient: 0.46,
             dynamic_coefficient: 0.44,
             skin_looseness: 1.0,
         }),
+        ..TouchScene::new(Arc::new(surface), search, Stiffness::Uniform(0.6))
     };
     let header = Header {
         scenario_toml: String::new(),

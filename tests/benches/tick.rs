@@ -144,14 +144,12 @@ fn one_mesh(order: &'static str, mesh: RawMesh, clock_ns: f64) -> Build {
         ("hover", 30.0, Some(())),
     ] {
         let scene = TouchScene {
-            surface: surface.clone(),
-            search: search.clone(),
-            stiffness: Stiffness::Uniform(1.0),
             friction: friction.map(|()| Friction {
                 static_coefficient: 0.46,
                 dynamic_coefficient: 0.44,
                 skin_looseness: 1.0,
             }),
+            ..TouchScene::new(surface.clone(), search.clone(), Stiffness::Uniform(1.0))
         };
         let run = path(&scene, offset_mm, clock_ns);
         let whole = whole_ticks(scene, offset_mm, clock_ns);
