@@ -4,6 +4,7 @@ use super::CliError;
 use crate::geom::Vec3;
 use crate::partition::{Partition as _, Sides};
 use crate::scenario::{self, Example, Scenario, Scene, Use};
+use crate::surface::{RawMesh, Surface, back, io};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
 use std::sync::Arc;
@@ -55,6 +56,29 @@ pub(super) fn progress_bar(length: u64, template: &str) -> ProgressBar {
         ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
     bar.set_style(style.progress_chars("━╸ "));
     bar
+}
+
+/// The mesh in a file, or the built-in back.
+pub(super) fn load_mesh(mesh: &str) -> Result<Surface, CliError> {
+    let builtin = |triangles: usize| back::make(&back::BackOptions::with_triangles(triangles));
+    let raw: RawMesh = if mesh == "back" && !Path::new(mesh).exists() {
+        back::make(&back::BackOptions::default())
+    } else if let Some(number) = mesh.strip_prefix("back:") {
+        let allowed = back::FEWEST..=back::MOST;
+        let triangles = number.parse().ok().filter(|n| allowed.contains(n));
+        builtin(triangles.ok_or_else(|| {
+            CliError::input(format_args!(
+                "{mesh}: {} to {} triangles are allowed, as in back:41582",
+                back::FEWEST,
+                back::MOST
+            ))
+        })?)
+    } else {
+        io::read(Path::new(mesh), None).map_err(CliError::input)?.0
+    };
+    let (surface, _) =
+        Surface::new(raw).map_err(|e| CliError::input(format_args!("{e}: {mesh}")))?;
+    Ok(surface)
 }
 
 /// Height of the skin over a place of the map plane, mm, seen from behind; `None` beside the surface.

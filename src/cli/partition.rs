@@ -1,19 +1,15 @@
 //! `dorsum partition`: one search structure over a mesh, its statistics, and what a haptic detecting box gathers.
 
-use super::common::{bytes_text, progress_bar};
+use super::common::{bytes_text, load_mesh, progress_bar};
 use super::{CliError, Outcome, print, print_json};
 use crate::geom::{Aabb, Vec3};
 use crate::partition::brute::Brute;
-use crate::partition::bsp::Bsp;
-use crate::partition::bvh::Bvh;
 use crate::partition::hdb::{self, Gathered};
-use crate::partition::hybrid::Hybrid;
-use crate::partition::octree::Octree;
+use crate::partition::structure::TREES;
 use crate::partition::tree::{Case, Options, Statistics};
-use crate::partition::{self, Partition};
-use crate::surface::{RawMesh, Surface, back, io};
+use crate::partition::{self, Partition as _, Structure};
+use crate::surface::Surface;
 use serde::Serialize;
-use std::path::Path;
 use std::time::Instant;
 
 /// Times a query is repeated for its median time.
@@ -73,73 +69,17 @@ fn edge(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "a length above 0 mm is needed".into())
 }
 
-/// One structure of those that can be asked for.
-enum Built {
-    Listed(Box<dyn Partition>),
-    Bsp(Bsp),
-    Octree(Octree),
-    Hybrid(Hybrid),
-}
-
-impl Built {
-    fn new(kind: &str, surface: &Surface, options: &Options) -> Result<Self, CliError> {
-        let bar = progress_bar(100, "building {bar:30} {percent:>3} %");
-        let mut progress = |part: f64| {
-            bar.set_position((part * 100.0) as u64);
-            true
-        };
-        let built = match kind {
-            "bsp" => Bsp::with_progress(surface, options, &mut progress).map(Self::Bsp),
-            "octree" => Octree::with_progress(surface, options, &mut progress).map(Self::Octree),
-            "hybrid" => Hybrid::with_progress(surface, options, &mut progress).map(Self::Hybrid),
-            "bvh" => Some(Self::Listed(Box::new(Bvh::new(surface)))),
-            _ => Some(Self::Listed(Box::new(Brute))),
-        };
-        bar.finish_and_clear();
-        built.ok_or_else(|| CliError::input("the build was stopped"))
-    }
-
-    fn partition(&self) -> &dyn Partition {
-        match self {
-            Self::Listed(p) => p.as_ref(),
-            Self::Bsp(p) => p,
-            Self::Octree(p) => p,
-            Self::Hybrid(p) => p,
-        }
-    }
-
-    fn statistics(&self, surface: &Surface) -> Option<Statistics> {
-        match self {
-            Self::Listed(_) => None,
-            Self::Bsp(p) => Some(p.statistics(surface)),
-            Self::Octree(p) => Some(p.statistics(surface)),
-            Self::Hybrid(p) => Some(p.statistics(surface)),
-        }
-    }
-
-    /// Everything whose box overlaps the region; nodes are counted where there is a tree of cells.
-    fn gather(&self, surface: &Surface, region: &Aabb, out: &mut Vec<u32>) -> Option<Gathered> {
-        let tree = match self {
-            Self::Listed(p) => {
-                p.in_box(surface, region, out);
-                return None;
-            }
-            Self::Bsp(p) => p.tree(),
-            Self::Octree(p) => p.tree(),
-            Self::Hybrid(p) => p.tree(),
-        };
-        Some(tree.gather(surface, region, out))
-    }
-
-    /// The query of the publication.
-    fn gather_as_published(&self, region: &Aabb, out: &mut Vec<u32>) -> Option<Gathered> {
-        match self {
-            Self::Listed(_) => None,
-            Self::Bsp(p) => Some(p.gather_by_half_spaces(region, out)),
-            Self::Octree(p) => Some(p.gather_by_cells(region, out)),
-            Self::Hybrid(p) => Some(p.gather_by_cells(region, out)),
-        }
-    }
+/// Builds the structure, with a progress bar on a terminal.
+fn built(kind: &str, surface: &Surface, options: &Options) -> Result<Structure, CliError> {
+    let bar = progress_bar(100, "building {bar:30} {percent:>3} %");
+    let built = Structure::build(kind, surface, options, &mut |part| {
+        bar.set_position((part * 100.0) as u64);
+        true
+    });
+    bar.finish_and_clear();
+    built
+        .map_err(CliError::input)?
+        .ok_or_else(|| CliError::input("the build was stopped"))
 }
 
 #[derive(Serialize)]
@@ -198,7 +138,7 @@ struct Printed<'a> {
 /// # Errors
 /// The mesh cannot be read or is refused, or an option does not go with the structure.
 pub fn run(args: &PartitionArgs, json: bool) -> Result<Outcome, CliError> {
-    let is_tree = matches!(args.kind, "bsp" | "octree" | "hybrid");
+    let is_tree = TREES.contains(&args.kind);
     if args.threshold.is_some() && !is_tree {
         return Err(CliError::input(format_args!(
             "--threshold: {} has none; it goes with bsp, octree and hybrid",
@@ -211,14 +151,14 @@ pub fn run(args: &PartitionArgs, json: bool) -> Result<Outcome, CliError> {
             args.kind
         )));
     }
-    let surface = load(&args.mesh)?;
+    let surface = load_mesh(&args.mesh)?;
     let default = Options::default();
     let options = Options {
         threshold: args.threshold.map_or(default.threshold, |n| n as usize),
         case: args.case.unwrap_or(default.case),
     };
     let start = Instant::now();
-    let built = Built::new(args.kind, &surface, &options)?;
+    let built = built(args.kind, &surface, &options)?;
     let build_ms = start.elapsed().as_secs_f64() * 1e3;
     let partition = built.partition();
     let fault = partition.validate(&surface).err();
@@ -253,29 +193,6 @@ pub fn run(args: &PartitionArgs, json: bool) -> Result<Outcome, CliError> {
     } else {
         Outcome::DoesNotHold
     })
-}
-
-/// The mesh in a file, or the built-in back.
-fn load(mesh: &str) -> Result<Surface, CliError> {
-    let builtin = |triangles: usize| back::make(&back::BackOptions::with_triangles(triangles));
-    let raw: RawMesh = if mesh == "back" && !Path::new(mesh).exists() {
-        back::make(&back::BackOptions::default())
-    } else if let Some(number) = mesh.strip_prefix("back:") {
-        let allowed = back::FEWEST..=back::MOST;
-        let triangles = number.parse().ok().filter(|n| allowed.contains(n));
-        builtin(triangles.ok_or_else(|| {
-            CliError::input(format_args!(
-                "{mesh}: {} to {} triangles are allowed, as in back:41582",
-                back::FEWEST,
-                back::MOST
-            ))
-        })?)
-    } else {
-        io::read(Path::new(mesh), None).map_err(CliError::input)?.0
-    };
-    let (surface, _) =
-        Surface::new(raw).map_err(|e| CliError::input(format_args!("{e}: {mesh}")))?;
-    Ok(surface)
 }
 
 /// The skin nearest the middle of the box's back.

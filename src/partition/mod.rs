@@ -8,10 +8,13 @@ pub mod bvh;
 pub mod hdb;
 pub mod hybrid;
 pub mod octree;
+pub mod structure;
 pub mod tree;
 
 use crate::geom::{Aabb, Vec3};
 use crate::surface::Surface;
+
+pub use structure::Structure;
 
 /// The closest point of the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
