@@ -20,6 +20,7 @@
 //! | [`session`] | how a run is written, read, replayed and checked |
 //! | [`scenario`] | what a scene is made of, and what it needs |
 //! | [`figure`] | pictures without a window: plots and the shaded back |
+//! | [`lab`] | experiments: what a method costs, what it misses, what it gets right |
 //! | `app` | the workbench (feature `gui`) |
 //! | [`cli`] | the command line |
 //!
@@ -36,6 +37,7 @@ pub mod deform;
 pub mod device;
 pub mod figure;
 pub mod geom;
+pub mod lab;
 pub mod maps;
 pub mod partition;
 pub mod scenario;

@@ -17,6 +17,7 @@ const ORDER: &[&str] = &[
     "session",
     "scenario",
     "figure",
+    "lab",
     "app",
     "cli",
 ];

@@ -5,6 +5,7 @@
 
 mod common;
 mod headless;
+mod lab;
 mod mesh;
 mod partition;
 mod replay;
@@ -76,6 +77,8 @@ enum Command {
     Mesh(mesh::MeshCommand),
     /// Build a search structure over a mesh: statistics, checks, what a haptic detecting box gathers.
     Partition(partition::PartitionArgs),
+    /// Run an experiment: tables, plots and what holds. "list" tells which there are.
+    Lab(lab::LabArgs),
 }
 
 /// Prints a line, or several, on stdout. Whoever closed the pipe has read enough: that is no error.
@@ -113,6 +116,7 @@ pub fn main() -> u8 {
         Some(Command::Scene(args)) => scene::run(args, json),
         Some(Command::Mesh(command)) => mesh::run(command, json),
         Some(Command::Partition(args)) => partition::run(args, json),
+        Some(Command::Lab(args)) => lab::run(args, json),
     };
     match outcome {
         Ok(Outcome::Done) => 0,

@@ -12,6 +12,7 @@ mod raster;
 mod relief;
 
 pub use camera::Camera;
+pub use file::write_files;
 pub use image::Image;
 pub use picture::{Ball, Picture};
 pub use plot::{LinePlot, Series, write_svg};

@@ -62,6 +62,32 @@ pub fn height_field(
     mesh
 }
 
+/// One small triangle inside each of `cells` cubes of 1 mm from the origin on, none touching a border, save that the first
+/// and the last reach into the corners of the whole: trees that halve its box become complete.
+pub fn one_per_cell(cells: [u32; 3]) -> RawMesh {
+    let [nx, ny, nz] = cells.map(|n| n.max(1));
+    let all = nx * ny * nz;
+    let mut mesh = RawMesh::default();
+    for i in 0..all {
+        let low = Vec3::new(
+            f64::from(i % nx),
+            f64::from(i / nx % ny),
+            f64::from(i / (nx * ny)),
+        );
+        let mut corners = [[0.3, 0.3, 0.4], [0.6, 0.3, 0.5], [0.4, 0.7, 0.6]]
+            .map(|within| low + Vec3::from_array(within));
+        if i == 0 {
+            corners[0] = Vec3::ZERO;
+        }
+        if i + 1 == all {
+            corners[2] = low + Vec3::ONE;
+        }
+        mesh.positions.extend(corners);
+        mesh.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
+    }
+    mesh
+}
+
 /// A closed box with outward triangles, edges along the axes, two triangles a side.
 pub fn cuboid(min: Vec3, max: Vec3) -> RawMesh {
     let positions = (0..8)

@@ -3,34 +3,16 @@
 use super::{Bsp, Case, Options, Partition, axis};
 use crate::geom::{Aabb, Vec3};
 use crate::partition::tree::worst_w;
-use crate::surface::primitives::bench_patch;
+use crate::surface::primitives::{bench_patch, one_per_cell};
 use crate::surface::{RawMesh, Surface};
 
 fn surface(mesh: RawMesh) -> Surface {
     Surface::new(mesh).unwrap().0
 }
 
-/// A triangle in each of 8 × 8 × 8 cells of 1 mm, none on a border; two cells' corners are marked so that the box is right.
-fn grid() -> Surface {
-    let mut mesh = RawMesh::default();
-    for i in 0..512_u32 {
-        let low = Vec3::new(f64::from(i % 8), f64::from(i / 8 % 8), f64::from(i / 64));
-        let at = |x, y, z| low + Vec3::new(x, y, z);
-        let mut corners = [at(0.3, 0.3, 0.4), at(0.6, 0.3, 0.5), at(0.4, 0.7, 0.6)];
-        match i {
-            0 => corners[0] = Vec3::ZERO,
-            511 => corners[2] = Vec3::splat(8.0),
-            _ => {}
-        }
-        mesh.positions.extend(corners);
-        mesh.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
-    }
-    surface(mesh)
-}
-
 #[test]
 fn one_leaf_of_a_complete_tree_costs_what_table_3_3_says() {
-    let mesh = grid();
+    let mesh = surface(one_per_cell([8, 8, 8]));
     for (threshold, height) in [(64, 3), (32, 4), (8, 6), (1, 9)] {
         let case = Case::C;
         let bsp = Bsp::new(&mesh, &Options { threshold, case });

@@ -4,7 +4,7 @@ use super::{Octree, Options, Partition};
 use crate::geom::{Aabb, Vec3};
 use crate::partition::brute::Brute;
 use crate::partition::tree::worst_w;
-use crate::surface::primitives::{bench_patch, icosphere};
+use crate::surface::primitives::{bench_patch, icosphere, one_per_cell};
 use crate::surface::{RawMesh, Surface};
 
 fn surface(mesh: RawMesh) -> Surface {
@@ -83,24 +83,7 @@ fn a_sphere_loses_triangles_as_published_and_none_here() {
 
 #[test]
 fn one_leaf_of_a_complete_tree_costs_what_table_3_4_says() {
-    let mut mesh = RawMesh::default();
-    for i in 0..4096_u32 {
-        let low = Vec3::new(
-            f64::from(i % 16),
-            f64::from(i / 16 % 16),
-            f64::from(i / 256),
-        );
-        let at = |x, y, z| low + Vec3::new(x, y, z);
-        let mut corners = [at(0.3, 0.3, 0.4), at(0.6, 0.3, 0.5), at(0.4, 0.7, 0.6)];
-        match i {
-            0 => corners[0] = Vec3::ZERO,
-            4095 => corners[2] = Vec3::splat(16.0),
-            _ => {}
-        }
-        mesh.positions.extend(corners);
-        mesh.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
-    }
-    let mesh = surface(mesh);
+    let mesh = surface(one_per_cell([16, 16, 16]));
     for (threshold, height) in [(64, 2), (8, 3), (1, 4)] {
         let octree = with_threshold(&mesh, threshold);
         let s = octree.statistics(&mesh);

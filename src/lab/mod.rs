@@ -1,0 +1,139 @@
+//! Experiments behind one trait, each of which answers with typed tables, plots and verdicts.
+//!
+//! An experiment is one file and one line in [`all`]; names that share what stands before a hyphen form a group, which
+//! can be asked for by that word. Results are values: printing is the command line's business, and [`write`] puts them
+//! into a folder, all files or none.
+//!
+//! Times are measured on the machine at hand and say so; what must hold does not depend on them.
+
+mod clock;
+mod document;
+pub mod partition;
+mod report;
+mod table;
+mod watch;
+
+use crate::surface::Surface;
+use std::sync::Arc;
+
+pub use clock::{Samples, Stopwatch};
+pub use document::{Document, Machine, write};
+pub use report::{Figure, Report, Setting, Verdict};
+pub use table::{Column, Table, Value};
+pub use watch::{Stopped, Watch};
+
+/// Every experiment, groups side by side.
+pub fn all() -> &'static [&'static dyn Experiment] {
+    &[&partition::Complexity]
+}
+
+/// One experiment.
+pub trait Experiment: Send + Sync {
+    /// Name on the command line and in files: lower case and hyphens, its group first.
+    fn name(&self) -> &'static str;
+
+    /// What it answers, in one line.
+    fn about(&self) -> &'static str;
+
+    /// Which choices of [`Setup`] it heeds. [`Setup::quick`] is heeded by all.
+    fn takes(&self) -> &'static [Choice] {
+        &[]
+    }
+
+    /// Does it. Without timings the result depends on nothing but `setup`.
+    ///
+    /// # Errors
+    /// [`LabError::Stopped`] when `watch` said so, [`LabError::Input`] when `setup` cannot be used.
+    fn run(&self, setup: &Setup, watch: &mut Watch<'_>) -> Result<Report, LabError>;
+}
+
+/// What can be chosen for an experiment; each takes those that [`Experiment::takes`] lists.
+#[derive(Clone, Debug, Default)]
+pub struct Setup {
+    /// Fewer repetitions and smaller sizes: a look in seconds instead of minutes.
+    pub quick: bool,
+    /// The surface to work on; the built-in back without one.
+    pub mesh: Option<Mesh>,
+    /// Sizes of the built-in back, triangles; the experiment's own where empty.
+    pub triangles: Vec<usize>,
+}
+
+/// A surface and where it came from.
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    /// As the user named it.
+    pub name: String,
+    /// The surface.
+    pub surface: Arc<Surface>,
+}
+
+/// A choice that some experiments take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Choice {
+    /// [`Setup::mesh`].
+    Mesh,
+    /// [`Setup::triangles`].
+    Triangles,
+}
+
+/// Why there is no report.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum LabError {
+    /// Whoever watched stopped it.
+    #[error("the experiment was stopped")]
+    Stopped,
+    /// The setup cannot be used; says why and what can.
+    #[error("{0}")]
+    Input(String),
+}
+
+impl From<Stopped> for LabError {
+    fn from(_: Stopped) -> Self {
+        Self::Stopped
+    }
+}
+
+/// The group of an experiment: its name up to the first hyphen.
+pub fn group_of(name: &str) -> &str {
+    name.split('-').next().unwrap_or(name)
+}
+
+/// The experiment called `name`, or all of the group called so; none for an unknown name.
+pub fn select(name: &str) -> Vec<&'static dyn Experiment> {
+    let of = |matches: &dyn Fn(&str) -> bool| {
+        all()
+            .iter()
+            .copied()
+            .filter(|e| matches(e.name()))
+            .collect::<Vec<_>>()
+    };
+    let one = of(&|n| n == name);
+    if one.is_empty() {
+        of(&|n| group_of(n) == name)
+    } else {
+        one
+    }
+}
+
+/// Runs experiments one after the other; progress is shared out evenly among them.
+///
+/// # Errors
+/// The first error of any of them: then there is no document.
+pub fn run(
+    experiments: &[&dyn Experiment],
+    setup: &Setup,
+    watch: &mut Watch<'_>,
+) -> Result<Document, LabError> {
+    let n = experiments.len().max(1) as f64;
+    let mut reports = Vec::with_capacity(experiments.len());
+    for (i, experiment) in experiments.iter().enumerate() {
+        let mut part = watch.part(i as f64 / n, (i + 1) as f64 / n);
+        part.at(experiment.name(), 0.0)?;
+        let mut report = experiment.run(setup, &mut part)?;
+        report.experiment = experiment.name().to_owned();
+        report.about = experiment.about().to_owned();
+        reports.push(report);
+    }
+    watch.at("", 1.0)?;
+    Ok(Document::new(setup.quick, reports))
+}

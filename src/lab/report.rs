@@ -1,0 +1,163 @@
+//! What an experiment answers.
+
+use super::Table;
+use crate::figure::LinePlot;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// Tables, plots and what they say.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// Name of the experiment; filled in by [`run`](super::run).
+    pub experiment: String,
+    /// What it answers; filled in by [`run`](super::run).
+    pub about: String,
+    /// Under which circumstances.
+    pub settings: Vec<Setting>,
+    /// The figures.
+    pub tables: Vec<Table>,
+    /// The plots.
+    pub figures: Vec<Figure>,
+    /// What holds and what does not.
+    pub verdicts: Vec<Verdict>,
+    /// What a reader should know, a sentence or two each.
+    pub notes: Vec<String>,
+}
+
+impl Report {
+    /// Adds a circumstance.
+    pub fn set(&mut self, name: &str, value: impl fmt::Display) {
+        self.settings.push(Setting {
+            name: name.to_owned(),
+            value: value.to_string(),
+        });
+    }
+
+    /// Adds a remark.
+    pub fn note(&mut self, text: impl Into<String>) {
+        self.notes.push(text.into());
+    }
+
+    /// Adds plots that are drawn one above the other.
+    pub fn draw(&mut self, name: &str, plots: Vec<LinePlot>) {
+        self.figures.push(Figure {
+            name: name.to_owned(),
+            plots,
+        });
+    }
+
+    /// Whether all holds that must.
+    pub fn holds(&self) -> bool {
+        self.verdicts.iter().all(|v| v.holds || !v.required)
+    }
+}
+
+/// One circumstance of an experiment.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Setting {
+    /// What.
+    pub name: String,
+    /// Its value, with its unit.
+    pub value: String,
+}
+
+/// Plots in one drawing, over a common x axis.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Figure {
+    /// Name in file names: lower case and hyphens.
+    pub name: String,
+    /// The plots from top to bottom. Not part of JSON: the tables hold the figures.
+    #[serde(skip)]
+    pub plots: Vec<LinePlot>,
+}
+
+/// Whether something holds.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Verdict {
+    /// What was asked.
+    pub what: String,
+    /// What was found, with its unit.
+    pub measured: String,
+    /// What was wanted, with its unit.
+    pub goal: String,
+    /// Whether the one meets the other.
+    pub holds: bool,
+    /// Whether the program is wrong where it does not: `false` for times and for what the publication gets wrong, which
+    /// are told and no more.
+    pub required: bool,
+}
+
+impl Verdict {
+    /// Something that must hold on any machine.
+    pub fn must(
+        what: impl Into<String>,
+        measured: impl fmt::Display,
+        goal: impl fmt::Display,
+        holds: bool,
+    ) -> Self {
+        Self {
+            what: what.into(),
+            measured: measured.to_string(),
+            goal: goal.to_string(),
+            holds,
+            required: true,
+        }
+    }
+
+    /// Something that is good to know: a goal for a time, or a claim of the publication.
+    pub fn told(
+        what: impl Into<String>,
+        measured: impl fmt::Display,
+        goal: impl fmt::Display,
+        holds: bool,
+    ) -> Self {
+        Self {
+            required: false,
+            ..Self::must(what, measured, goal, holds)
+        }
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let word = match (self.holds, self.required) {
+            (true, _) => "holds",
+            (false, true) => "DOES NOT HOLD",
+            (false, false) => "does not hold",
+        };
+        write!(
+            f,
+            "{word}: {}: {} (goal: {})",
+            self.what, self.measured, self.goal
+        )
+    }
+}
+
+impl fmt::Display for Report {
+    /// For people: tables, verdicts and notes. Ends without a line break.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}\n{}", self.experiment, self.about)?;
+        let width = self
+            .settings
+            .iter()
+            .map(|s| s.name.chars().count())
+            .max()
+            .unwrap_or(0);
+        for s in &self.settings {
+            writeln!(f, "  {:<width$}  {}", s.name, s.value)?;
+        }
+        for table in &self.tables {
+            write!(f, "\n{}\n{table}", table.title)?;
+        }
+        if !self.verdicts.is_empty() {
+            writeln!(f)?;
+        }
+        for verdict in &self.verdicts {
+            writeln!(f, "{verdict}")?;
+        }
+        for note in &self.notes {
+            write!(f, "\n{note}")?;
+        }
+        Ok(())
+    }
+}
