@@ -18,7 +18,7 @@ fn scene(mesh: RawMesh, friction: Option<Friction>) -> TouchScene {
     let (surface, _) = Surface::new(mesh).unwrap();
     let search = Arc::new(Bvh::new(&surface));
     TouchScene {
-        friction: friction,
+        friction,
         ..TouchScene::new(Arc::new(surface), search, Stiffness::Uniform(K))
     }
 }
