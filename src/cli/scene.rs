@@ -26,6 +26,7 @@ struct Printed<'a> {
     defects: &'a [crate::surface::Defect],
     vertices: usize,
     triangles: usize,
+    force_model: String,
     ledger: &'a [crate::scenario::LedgerRow],
     total_bytes: usize,
 }
@@ -50,6 +51,7 @@ pub fn run(args: &SceneArgs, json: bool) -> Result<Outcome, CliError> {
         defects: &scene.report.defects,
         vertices: scene.surface.positions().len(),
         triangles: scene.surface.triangles().len(),
+        force_model: scene.scenario.choices.force.to_string(),
         ledger: &ledger.rows,
         total_bytes: ledger.total_bytes(),
     };
@@ -62,6 +64,7 @@ pub fn run(args: &SceneArgs, json: bool) -> Result<Outcome, CliError> {
         "{}, {} vertices, {} triangles",
         printed.surface, printed.vertices, printed.triangles
     ));
+    print(format_args!("force: {}", printed.force_model));
     if let Some(units) = printed.units {
         print(format_args!("{units}"));
     }

@@ -5,6 +5,7 @@
 
 mod crease;
 mod face;
+mod force;
 mod friction;
 mod proxy;
 mod walk;
@@ -14,8 +15,9 @@ use crate::partition::{Partition, bvh::Bvh};
 use crate::surface::Surface;
 use std::sync::Arc;
 
+pub use force::ForceModel;
 pub use friction::anchor_from;
-pub use proxy::{FARTHEST_MM, advance};
+pub use proxy::FARTHEST_MM;
 
 /// Everything the servo needs to know of a scene to feel it. Immutable while in use.
 #[derive(Clone, Debug)]
@@ -28,6 +30,49 @@ pub struct TouchScene {
     pub stiffness: Stiffness,
     /// Absent: frictionless, and nothing tangential is computed.
     pub friction: Option<Friction>,
+    /// How the finger meets the surface, by name.
+    pub choices: Choices,
+}
+
+/// The named choices of how the finger meets the surface. Each has a default that costs nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Choices {
+    /// How the force grows with depth.
+    pub force: ForceModel,
+}
+
+/// Where the finger is, and how it moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Hip {
+    /// The haptic interface point, mm.
+    pub position_mm: Vec3,
+    /// Its velocity, mm/s. One that is not finite counts as none.
+    pub velocity_mm_s: Vec3,
+}
+
+/// A HIP at rest.
+impl From<Vec3> for Hip {
+    fn from(position_mm: Vec3) -> Self {
+        Self {
+            position_mm,
+            velocity_mm_s: Vec3::ZERO,
+        }
+    }
+}
+
+impl Hip {
+    /// How fast the depth below a plane with this outward normal grows, mm/s; finite.
+    pub fn depth_rate_mm_s(&self, normal: Vec3) -> f64 {
+        let rate = -self.velocity_mm_s.dot(normal);
+        if rate.is_finite() { rate } else { 0.0 }
+    }
+}
+
+/// Moves the proxy of one finger after the HIP and returns what the finger feels.
+///
+/// A HIP that is not finite, or beyond [`FARTHEST_MM`], leaves the state as it was and feels nothing.
+pub fn advance(scene: &TouchScene, state: &mut ContactState, hip: impl Into<Hip>) -> Contact {
+    proxy::advance(scene, state, hip.into())
 }
 
 impl TouchScene {
@@ -38,6 +83,7 @@ impl TouchScene {
             search,
             stiffness,
             friction: None,
+            choices: Choices::default(),
         }
     }
 

@@ -11,7 +11,7 @@
 
 use super::friction::Cone;
 use super::walk::{Footing, Outcome, Rest, Walk};
-use super::{Contact, ContactState, Touch, TouchScene};
+use super::{Contact, ContactState, Hip, Touch, TouchScene};
 use crate::geom::{Vec3, unit_or};
 use crate::partition::{Hit, Partition, Sides};
 
@@ -26,10 +26,9 @@ const WITNESS_LIFTS: f64 = 1024.0;
 /// Most times the proxy leaves the surface and comes back within one tick; then it waits on the surface.
 const MAX_LANDINGS: u32 = 16;
 
-/// Moves the proxy of one finger after the HIP and returns what the finger feels.
-///
-/// A HIP that is not finite, or beyond [`FARTHEST_MM`], leaves the state as it was and feels nothing.
-pub fn advance(scene: &TouchScene, state: &mut ContactState, hip_mm: Vec3) -> Contact {
+/// Moves the proxy of one finger after the HIP and returns what the finger feels: see [`advance`](super::advance).
+pub(super) fn advance(scene: &TouchScene, state: &mut ContactState, hip: Hip) -> Contact {
+    let hip_mm = hip.position_mm;
     let on_surface = state.touch != Touch::Free
         && (state.triangle as usize) < scene.surface.triangles().len()
         && state.proxy_mm.is_finite();
@@ -57,7 +56,7 @@ pub fn advance(scene: &TouchScene, state: &mut ContactState, hip_mm: Vec3) -> Co
             .and_then(|hit| follow(scene, &walk, landing(scene, hit), false))
     };
     let contact = match rest {
-        Some(rest) => felt(scene, &rest, cone),
+        Some(rest) => felt(scene, &rest, cone, hip),
         None => Contact {
             anchor_mm: hip_mm,
             foot_mm: hip_mm,
@@ -194,14 +193,17 @@ fn stiffness_at(scene: &TouchScene, triangle: u32, p: Vec3) -> f64 {
     }
 }
 
-fn felt(scene: &TouchScene, rest: &Rest, cone: Cone) -> Contact {
+fn felt(scene: &TouchScene, rest: &Rest, cone: Cone, hip: Hip) -> Contact {
     let k = stiffness_at(scene, rest.triangle, rest.proxy);
     let (touch, foot_mm) = match (&scene.friction, rest.slipped) {
         (None, _) => (Touch::Frictionless, rest.proxy),
         (Some(_), true) => (Touch::Slip, rest.foot),
         (Some(_), false) => (Touch::Stick, rest.foot),
     };
-    let force_n = rest.normal * (k * rest.depth) + (rest.proxy - foot_mm) * (k / cone.looseness);
+    let rate_mm_s = hip.depth_rate_mm_s(rest.normal);
+    let secant = (scene.choices.force).secant_n_per_mm(k, rest.depth, rate_mm_s);
+    let force_n =
+        rest.normal * (secant * rest.depth) + (rest.proxy - foot_mm) * (secant / cone.looseness);
     Contact {
         touch,
         triangle: rest.triangle,

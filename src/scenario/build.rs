@@ -2,7 +2,7 @@
 
 use super::needs::{Item, Needs};
 use super::{Ledger, Scenario, ScenarioError, SurfaceChoice, Use};
-use crate::contact::{Stiffness, TouchScene};
+use crate::contact::{ForceModel, Stiffness, TouchScene};
 use crate::deform::models::fsmd;
 use crate::maps::StiffnessMap;
 use crate::partition::Partition as _;
@@ -106,9 +106,14 @@ pub fn build(
         ledger.built(Item::Friction, size_of::<crate::contact::Friction>());
     }
 
+    if needs.has(Item::ForceModel) {
+        ledger.built(Item::ForceModel, size_of::<ForceModel>());
+    }
+
     step("Ready", 1.0)?;
     let touch = TouchScene {
         friction: scenario.friction,
+        choices: scenario.choices,
         ..TouchScene::new(Arc::clone(&surface), search, stiffness)
     };
     let deform = scenario.deform;

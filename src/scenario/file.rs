@@ -1,11 +1,13 @@
 //! The scenario file: TOML with units in the key names, checked down to line and value.
 
-use crate::contact::Friction;
+use super::check::Check;
+use super::feel::{ContactTable, ForceTable};
+use crate::contact::{Choices, Friction};
 use crate::deform::models::fsmd;
 use crate::geom::Vec2;
 use crate::maps::{Fit, StiffnessKey};
 use serde::Deserialize;
-use std::ops::{Range, RangeInclusive};
+use std::ops::RangeInclusive;
 use std::path::{Component, Path, PathBuf};
 use toml::Spanned;
 
@@ -44,6 +46,8 @@ pub struct Scenario {
     pub stiffness_fit: Fit,
     /// Absent: frictionless.
     pub friction: Option<Friction>,
+    /// How the finger meets the surface, by name.
+    pub choices: Choices,
     /// Footprint and caps of the drawn deformation.
     pub deform: fsmd::Settings,
     /// The file, whole, as read.
@@ -67,6 +71,8 @@ struct File {
     surface: Spanned<SurfaceTable>,
     stiffness: Spanned<StiffnessTable>,
     friction: Option<FrictionTable>,
+    force: Option<ForceTable>,
+    contact: Option<ContactTable>,
     ellipse: Option<EllipseTable>,
     deformation: Option<DeformationTable>,
 }
@@ -164,6 +170,7 @@ impl Scenario {
             stiffness_keys,
             stiffness_fit,
             friction,
+            choices: check.choices(file.force.as_ref(), file.contact.as_ref())?,
             deform,
             source: text.to_owned(),
             folder: folder.map(Path::to_owned),
@@ -181,58 +188,7 @@ impl Scenario {
     }
 }
 
-/// Turns what is wrong into one line with file and line number.
-struct Check<'a> {
-    text: &'a str,
-    origin: &'a str,
-}
-
 impl Check<'_> {
-    fn fail(&self, span: &Range<usize>, what: impl AsRef<str>) -> ScenarioError {
-        let line = 1 + self
-            .text
-            .bytes()
-            .take(span.start)
-            .filter(|&b| b == b'\n')
-            .count();
-        let what = what
-            .as_ref()
-            .split_whitespace()
-            .collect::<Vec<_>>()
-            .join(" ");
-        ScenarioError(format!("{}: line {line}: {what}", self.origin))
-    }
-
-    /// An error of the TOML reader: syntax, an unknown or missing key, a wrong type.
-    fn syntax(&self, e: &toml::de::Error) -> ScenarioError {
-        let message = e
-            .message()
-            .replace("unknown field", "unknown key")
-            .replace("missing field", "missing key");
-        self.fail(
-            &e.span().unwrap_or(0..0),
-            message.replace("expected one of", "allowed are"),
-        )
-    }
-
-    fn number(
-        &self,
-        key: &str,
-        value: &Spanned<f64>,
-        allowed: RangeInclusive<f64>,
-    ) -> Result<f64, ScenarioError> {
-        let x = *value.get_ref();
-        if allowed.contains(&x) {
-            return Ok(x);
-        }
-        let what = format!(
-            "{key} = {x}; {} to {} is allowed",
-            allowed.start(),
-            allowed.end()
-        );
-        Err(self.fail(&value.span(), what))
-    }
-
     fn surface(&self, table: &Spanned<SurfaceTable>) -> Result<SurfaceChoice, ScenarioError> {
         let t = table.get_ref();
         match (&t.builtin, &t.mesh) {

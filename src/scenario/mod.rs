@@ -4,6 +4,8 @@
 //! keeps the [`Ledger`] of what was built and what was left out.
 
 mod build;
+mod check;
+mod feel;
 mod file;
 mod library;
 mod needs;

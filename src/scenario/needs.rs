@@ -1,6 +1,7 @@
 //! What a scene requires, and the ledger that tells it.
 
 use super::Scenario;
+use crate::contact::ForceModel;
 
 /// What is going on beside the scene itself: it decides what else must exist.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -28,6 +29,8 @@ pub enum Item {
     StiffnessField,
     /// Friction: anchor and slip.
     Friction,
+    /// A force model that takes more than stiffness times depth.
+    ForceModel,
     /// Per-vertex displacement and normals of the drawn skin.
     Deformation,
     /// Its tangential half.
@@ -42,11 +45,12 @@ pub enum Item {
 
 impl Item {
     /// Every part, in the order of the ledger.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Surface,
         Self::Search,
         Self::StiffnessField,
         Self::Friction,
+        Self::ForceModel,
         Self::Deformation,
         Self::TangentialField,
         Self::GraphicsMesh,
@@ -61,6 +65,7 @@ impl Item {
             Self::Search => "Search structure",
             Self::StiffnessField => "Stiffness per vertex",
             Self::Friction => "Friction",
+            Self::ForceModel => "Force model",
             Self::Deformation => "Deformation",
             Self::TangentialField => "Tangential field",
             Self::GraphicsMesh => "Graphics mesh",
@@ -98,6 +103,11 @@ impl Item {
                 scenario.friction.is_some(),
                 "[friction]",
                 "the scenario has no [friction]",
+            ),
+            Self::ForceModel => choose(
+                scenario.choices.force != ForceModel::Linear,
+                "[force]",
+                "linear: stiffness times depth",
             ),
             Self::Deformation => {
                 let by = if purpose.drawn {
@@ -183,6 +193,9 @@ impl Ledger {
     pub fn of(scenario: &Scenario, purpose: Use) -> Self {
         let row = |item: Item| {
             let reason = match item.verdict(scenario, purpose) {
+                Verdict::Needed(why) if item == Item::ForceModel => {
+                    format!("{why} {}", scenario.choices.force)
+                }
                 Verdict::Needed(why) | Verdict::LeftOut(why) => why.to_owned(),
             };
             LedgerRow {

@@ -2,7 +2,7 @@
 
 use super::limiter::{Gate, Limits, limit};
 use super::record::{FingerRecord, TickInput, TickRecord};
-use crate::contact::{self, Contact, ContactState, Touch, TouchScene};
+use crate::contact::{self, Contact, ContactState, Hip, Touch, TouchScene};
 use crate::device::{MAX_FINGERS, Reading};
 use crate::geom::Vec3;
 use crate::units::NS_PER_S;
@@ -110,5 +110,9 @@ fn touch(scene: &TouchScene, state: &mut Option<ContactState>, reading: &Reading
         proxy_mm: hip_mm,
         triangle: 0,
     };
-    contact::advance(scene, state.get_or_insert(placed), hip_mm)
+    let hip = Hip {
+        position_mm: hip_mm,
+        velocity_mm_s: reading.velocity_mm_s,
+    };
+    contact::advance(scene, state.get_or_insert(placed), hip)
 }

@@ -1,0 +1,193 @@
+//! The tables `[force]` and `[contact]`: how the finger meets the surface, by name.
+
+use super::ScenarioError;
+use super::check::Check;
+use crate::contact::{Choices, ForceModel};
+use serde::Deserialize;
+use toml::Spanned;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ForceTable {
+    model: Spanned<String>,
+    start_stiffness_percent: Option<Spanned<f64>>,
+    trend_mm: Option<Spanned<f64>>,
+    growth_per_mm: Option<Spanned<f64>>,
+    damping_s_per_mm: Option<Spanned<f64>>,
+    exponent: Option<Spanned<f64>>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ContactTable {
+    engine: Option<Spanned<String>>,
+}
+
+impl Check<'_> {
+    /// What both tables choose; absent ones leave the defaults.
+    pub(super) fn choices(
+        &self,
+        force: Option<&ForceTable>,
+        contact: Option<&ContactTable>,
+    ) -> Result<Choices, ScenarioError> {
+        if let Some(engine) = contact.and_then(|t| t.engine.as_ref()) {
+            self.choice("engine", engine, &[("production", ())])?;
+        }
+        Ok(Choices {
+            force: force.map_or(Ok(ForceModel::default()), |t| self.force(t))?,
+        })
+    }
+
+    fn force(&self, t: &ForceTable) -> Result<ForceModel, ScenarioError> {
+        let models: Vec<_> = ForceModel::all().iter().map(|m| (m.name(), *m)).collect();
+        let mut model = self.choice("model", &t.model, &models)?;
+        let mut numbers = [
+            Number::new("start_stiffness_percent", &t.start_stiffness_percent),
+            Number::new("trend_mm", &t.trend_mm),
+            Number::new("growth_per_mm", &t.growth_per_mm),
+            Number::new("damping_s_per_mm", &t.damping_s_per_mm),
+            Number::new("exponent", &t.exponent),
+        ];
+        let [start, trend, growth, damping, order] = &mut numbers;
+        match &mut model {
+            ForceModel::Linear => {}
+            ForceModel::Nonlinear {
+                start_share,
+                trend_mm,
+            } => {
+                *start_share = start.take(self, 1.0..=100.0, *start_share * 100.0)? / 100.0;
+                *trend_mm = trend.take(self, 0.01..=100.0, *trend_mm)?;
+            }
+            ForceModel::Exponential { growth_per_mm } => {
+                *growth_per_mm = growth.take(self, 0.001..=10.0, *growth_per_mm)?;
+            }
+            ForceModel::HuntCrossley {
+                damping_s_per_mm,
+                exponent,
+            } => {
+                *damping_s_per_mm = damping.take(self, 0.0..=1.0, *damping_s_per_mm)?;
+                *exponent = order.take(self, 1.0..=4.0, *exponent)?;
+            }
+        }
+        if let Some((key, value)) = numbers.iter().find_map(|n| Some((n.key, n.value?))) {
+            let what = format!("{key} does not belong to model = {:?}", model.name());
+            return Err(self.fail(&value.span(), what));
+        }
+        Ok(model)
+    }
+}
+
+/// A number of the table that a model takes if it is its own.
+struct Number<'a> {
+    key: &'static str,
+    value: Option<&'a Spanned<f64>>,
+}
+
+impl<'a> Number<'a> {
+    fn new(key: &'static str, value: &'a Option<Spanned<f64>>) -> Self {
+        let value = value.as_ref();
+        Self { key, value }
+    }
+
+    fn take(
+        &mut self,
+        check: &Check<'_>,
+        allowed: std::ops::RangeInclusive<f64>,
+        or: f64,
+    ) -> Result<f64, ScenarioError> {
+        check.number_or(self.key, self.value.take(), allowed, or)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::Scenario;
+
+    fn parse(tables: &str) -> Result<Scenario, ScenarioError> {
+        let text = format!(
+            "format = 1\nname = \"T\"\nsurface.builtin = \"back\"\nstiffness.constant_n_per_mm = 1\n{tables}"
+        );
+        Scenario::parse(&text, "a.toml", None)
+    }
+
+    #[test]
+    fn every_force_model_is_chosen_by_name_with_its_defaults() {
+        assert_eq!(parse("").expect("valid").choices, Choices::default());
+        for model in ForceModel::all() {
+            let scenario = parse(&format!("[force]\nmodel = {:?}", model.name())).expect("valid");
+            assert_eq!(scenario.choices.force, *model);
+        }
+    }
+
+    #[test]
+    fn the_numbers_of_a_model_reach_it() {
+        let force = |text: &str| {
+            parse(&format!("[force]\n{text}"))
+                .expect(text)
+                .choices
+                .force
+        };
+        assert_eq!(
+            force("model = \"nonlinear\"\nstart_stiffness_percent = 25\ntrend_mm = 2.5"),
+            ForceModel::Nonlinear {
+                start_share: 0.25,
+                trend_mm: 2.5
+            }
+        );
+        assert_eq!(
+            force("model = \"exponential\"\ngrowth_per_mm = 0.4"),
+            ForceModel::Exponential { growth_per_mm: 0.4 }
+        );
+        assert_eq!(
+            force("model = \"hunt-crossley\"\ndamping_s_per_mm = 0.01\nexponent = 2"),
+            ForceModel::HuntCrossley {
+                damping_s_per_mm: 0.01,
+                exponent: 2.0
+            }
+        );
+    }
+
+    #[test]
+    fn each_fault_is_told_with_line_key_value_and_what_is_allowed() {
+        for (tables, told) in [
+            (
+                "[force]\nmodel = \"spring\"",
+                "line 6: model = \"spring\"; allowed are \"linear\", \"nonlinear\", \"exponential\", \"hunt-crossley\"",
+            ),
+            ("[force]\ntrend_mm = 3", "line 5: missing key `model`"),
+            (
+                "[force]\nmodel = \"linear\"\ntrend_mm = 3",
+                "line 7: trend_mm does not belong to model = \"linear\"",
+            ),
+            (
+                "[force]\nmodel = \"nonlinear\"\nstart_stiffness_percent = 0",
+                "line 7: start_stiffness_percent = 0; 1 to 100 is allowed",
+            ),
+            (
+                "[force]\nmodel = \"exponential\"\ngrowth_per_mm = nan",
+                "line 7: growth_per_mm = NaN; 0.001 to 10 is allowed",
+            ),
+            (
+                "[force]\nmodel = \"hunt-crossley\"\nexponent = 0.5",
+                "line 7: exponent = 0.5; 1 to 4 is allowed",
+            ),
+            (
+                "[force]\nmodel = \"linear\"\nk = 3",
+                "line 7: unknown key `k`",
+            ),
+            (
+                "[contact]\nengine = \"magic\"",
+                "line 6: engine = \"magic\"; allowed",
+            ),
+            (
+                "[contact]\nengines = \"production\"",
+                "line 6: unknown key `engines`",
+            ),
+        ] {
+            let error = parse(tables).expect_err(tables).to_string();
+            assert!(error.contains(told), "{tables:?} gave {error:?}");
+            assert!(!error.contains('\n'), "{error:?}");
+        }
+    }
+}
