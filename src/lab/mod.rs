@@ -24,7 +24,11 @@ pub use watch::{Stopped, Watch};
 
 /// Every experiment, groups side by side.
 pub fn all() -> &'static [&'static dyn Experiment] {
-    &[&partition::Complexity]
+    &[
+        &partition::Complexity,
+        &partition::Completeness,
+        &partition::Threshold,
+    ]
 }
 
 /// One experiment.
