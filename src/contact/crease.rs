@@ -5,25 +5,34 @@
 //! ([`Bvh::is_crossed`](crate::partition::bvh::Bvh::is_crossed)); on the others nothing here is asked.
 
 use super::face::Face;
-use super::walk::{At, Footing, ON_CONE, Outcome, Rest, Step, Walk};
+use super::walk::{At, Footing, ON_CONE, Outcome, Rest, Step, TOUCH_LIFTS, Walk};
 use crate::geom::{Vec3, unit_or};
 use crate::partition::{Hit, Partition, Sides};
 use crate::surface::RIM;
 
-/// How near a sheet must be for the proxy to stand against it, in lifts: a sheet stops a motion that is looked at one lift
-/// above the face.
-const TOUCH_LIFTS: f64 = 4.0;
+/// How near the corner that two triangles share a motion just above one must meet the other for that to be the joint itself,
+/// in lifts: with angles of 1/1024 between them.
+const JOINT_LIFTS: f64 = 1024.0;
+/// Planes whose unit normals add up to less, squared and halved, are one plane seen from both sides.
+const PARALLEL: f64 = 1e-12;
+/// Sine of the angle between a line and an edge below which they run alongside each other.
+const ALONG: f64 = 1e-10;
 
 impl Walk<'_> {
-    /// What another sheet makes of a motion over `face` from `p` to `end`: `None` where there is none in the way.
-    pub(super) fn stopped(&self, face: &Face, p: Vec3, end: Vec3) -> Option<Step> {
+    /// What another sheet makes of a motion over `face` from `p` to `end`, and on in the direction of `foot` where `end` is on
+    /// an edge: `None` where there is none in the way.
+    pub(super) fn stopped(&self, face: &Face, p: Vec3, end: Vec3, foot: Vec3) -> Option<Step> {
         if !self.search.is_crossed(face.triangle) {
             return None;
         }
-        if let Some(other) = self.blocker(face.triangle, face.triangle, p, end - p) {
-            return Some(Step::Go(At::Crease(*face, other, p)));
+        let own = [face.triangle; 2];
+        if let Some(wall) = self.blocker(own, p, foot - p, true) {
+            return Some(Step::Go(At::Crease(*face, wall, p)));
         }
-        let hit = self.sheet_between(p, end, face.normal)?;
+        let Some(hit) = self.sheet_between(own, p, end, face.normal) else {
+            let wall = self.blocker(own, end, foot - p, true)?;
+            return Some(Step::Slip(At::Crease(*face, wall, end)));
+        };
         let triangle = self.surface.triangle(face.triangle);
         let q = triangle.closest_point(hit.point).point;
         Some(match Face::of(self.surface, hit.triangle) {
@@ -34,12 +43,27 @@ impl Walk<'_> {
 
     /// The sheet that a proxy standing at `p` against it would enter by moving `ahead`: of those that touch the place,
     /// apart from the two triangles it stands on and their neighbours, the one most in the way.
-    pub(super) fn blocker(&self, one: u32, two: u32, p: Vec3, ahead: Vec3) -> Option<Face> {
+    ///
+    /// A `wall` rises above the triangles stood on. A triangle that the motion leads away from over an edge is not in the way,
+    /// nor one that lies in the plane stood on, faces the other way and ends there: the underside of what stands there.
+    pub(super) fn blocker(&self, own: [u32; 2], p: Vec3, ahead: Vec3, wall: bool) -> Option<Face> {
         let corners = |t: u32| self.surface.triangles()[t as usize];
-        let own = [corners(one), corners(two)];
+        let stood_on = own.map(corners);
+        let up = own.map(|t| self.surface.triangle(t).normal());
+        let touch = TOUCH_LIFTS * self.lift;
+        let rises = |face: &Face| {
+            face.corners.iter().any(|&c| {
+                let to = c - p;
+                let least = ALONG * to.length() + touch;
+                up.iter().all(|n| n.dot(to) > least)
+            })
+        };
         let mut worst: Option<(f64, Face)> = None;
-        self.search.around(p, TOUCH_LIFTS * self.lift, |t| {
-            if corners(t).iter().any(|v| own.iter().any(|c| c.contains(v))) {
+        self.search.around(p, touch, |t| {
+            if corners(t)
+                .iter()
+                .any(|v| stood_on.iter().any(|c| c.contains(v)))
+            {
                 return;
             }
             let Some(face) = Face::of(self.surface, t) else {
@@ -48,8 +72,11 @@ impl Walk<'_> {
             let inward = ahead.dot(face.normal);
             if inward < 0.0
                 && worst.is_none_or(|(most, _)| inward < most)
-                && self.surface.triangle(t).closest_point(p).point.distance(p)
-                    <= TOUCH_LIFTS * self.lift
+                && !(up.iter().any(|n| n.dot(face.normal) < PARALLEL - 1.0)
+                    && self.at_border(&face, p))
+                && !face.leaves(p, ahead, touch)
+                && (!wall || rises(&face))
+                && self.surface.triangle(t).closest_point(p).point.distance(p) <= touch
             {
                 worst = Some((inward, face));
             }
@@ -57,11 +84,43 @@ impl Walk<'_> {
         worst.map(|(_, face)| face)
     }
 
-    /// The first sheet that a motion just above the surface enters.
-    pub(super) fn sheet_between(&self, p: Vec3, end: Vec3, above: Vec3) -> Option<Hit> {
+    /// Whether `p` is where the flat part that `face` belongs to ends.
+    fn at_border(&self, face: &Face, p: Vec3) -> bool {
+        let across = self.surface.topology().across(face.triangle);
+        (0..3).any(|i| {
+            face.rate(i, p - face.corners[i]) <= TOUCH_LIFTS * self.lift
+                && Face::of(self.surface, across[i])
+                    .is_none_or(|next| next.normal.dot(face.normal) < 1.0 - PARALLEL)
+        })
+    }
+
+    /// The first sheet that a motion just above the surface enters, apart from those joined to the triangles it stands on
+    /// where they are joined: the walk itself knows how to go on there.
+    pub(super) fn sheet_between(
+        &self,
+        own: [u32; 2],
+        p: Vec3,
+        end: Vec3,
+        above: Vec3,
+    ) -> Option<Hit> {
         let up = above * self.lift;
-        self.search
-            .sweep(self.surface, p + up, end + up, Sides::Front)
+        let hit = self
+            .search
+            .sweep(self.surface, p + up, end + up, Sides::Front)?;
+        let corners = |t: u32| self.surface.triangles()[t as usize];
+        let joined = own.iter().any(|&t| {
+            let other = corners(hit.triangle);
+            let mut shared = corners(t).into_iter().filter(|v| other.contains(v));
+            let near = |v: u32| {
+                self.surface.positions()[v as usize].distance(hit.point) <= JOINT_LIFTS * self.lift
+            };
+            match (shared.next(), shared.next()) {
+                (None, _) => false,
+                (Some(v), None) => near(v),
+                _ => true,
+            }
+        });
+        (!joined).then_some(hit)
     }
 
     /// Stopped along a line by a third plane: nothing is left to slide along.
@@ -94,10 +153,14 @@ impl Walk<'_> {
         let up_face = line.cross(face.normal);
         let up_other = other.normal.cross(line);
         let outward = |up: Vec3, n: Vec3| if up.dot(n) < 0.0 { -up } else { up };
-        if down.dot(outward(up_face, other.normal)) > self.lift {
+        let above = [face, other].map(|f| down.dot(f.normal) > self.lift);
+        if above == [true; 2] {
+            return Step::End(Outcome::Lifts(stay));
+        }
+        if !above[0] && down.dot(outward(up_face, other.normal)) > self.lift {
             return Step::Go(At::Face(*face, q));
         }
-        if down.dot(outward(up_other, face.normal)) > self.lift {
+        if !above[1] && down.dot(outward(up_other, face.normal)) > self.lift {
             return Step::Go(At::Face(*other, q));
         }
         let along = down.dot(line);
@@ -121,8 +184,12 @@ impl Walk<'_> {
         let mut exit: Option<(f64, bool, usize)> = None;
         for (is_face, f) in [(true, face), (false, other)] {
             for i in 0..3 {
+                // An edge along the line is not left over, whatever rounding says.
+                if f.rate(i, line * way) > -ALONG * way.abs() {
+                    continue;
+                }
                 let (start, stop) = (f.inside(i, q).max(0.0), f.inside(i, end));
-                if stop < 0.0 && stop < start {
+                if stop < 0.0 {
                     let fraction = start / (start - stop);
                     if exit.is_none_or(|(first, _, _)| fraction < first) {
                         exit = Some((fraction, is_face, i));
@@ -134,10 +201,10 @@ impl Walk<'_> {
             end = q + line * (way * fraction);
         }
         let (one, two) = (face.triangle, other.triangle);
-        if self.blocker(one, two, q, end - q).is_some() {
+        if self.blocker([one, two], q, end - q, true).is_some() {
             return self.cornered(one, q);
         }
-        if let Some(hit) = self.sheet_between(q, end, face.normal + other.normal) {
+        if let Some(hit) = self.sheet_between([one, two], q, end, face.normal + other.normal) {
             return self.cornered(one, hit.point);
         }
         let Some((_, is_face, i)) = exit else {

@@ -56,6 +56,20 @@ impl Face {
             .dot(self.edges[i].cross(p - self.corners[i]))
     }
 
+    /// How far a motion leads inward across edge `i`, mm; negative outward.
+    pub(super) fn rate(&self, i: usize, motion: Vec3) -> f64 {
+        let across = self.normal.cross(self.edges[i]);
+        across.dot(motion) / self.edges[i].length()
+    }
+
+    /// Whether a motion from `p` leads straight away over an edge that `p` lies on or beyond, to within `slack_mm`.
+    pub(super) fn leaves(&self, p: Vec3, motion: Vec3, slack_mm: f64) -> bool {
+        (0..3).any(|i| {
+            self.rate(i, p - self.corners[i]) <= slack_mm
+                && self.rate(i, motion) < -1e-9 * motion.length()
+        })
+    }
+
     /// The edge that starts at `vertex`, which must be one of the corners; edge 0 otherwise.
     pub(super) fn edge_from(&self, vertex: u32) -> usize {
         self.vertices.iter().position(|&v| v == vertex).unwrap_or(0)

@@ -9,8 +9,9 @@
 //! starts on the surface, it starts from a witness a little way into the triangle and above it, which is on the outer
 //! side of every neighbour, however sharp the crease.
 
+use super::face::Face;
 use super::friction::Cone;
-use super::walk::{Footing, Outcome, Rest, Walk};
+use super::walk::{Footing, Outcome, Rest, TOUCH_LIFTS, Walk};
 use super::{Contact, ContactState, Hip, Touch, TouchScene};
 use crate::geom::{Vec3, unit_or};
 use crate::partition::{Hit, Partition, Sides};
@@ -24,7 +25,9 @@ const LIFT_ULPS: f64 = 64.0;
 /// How far a witness lies inside its triangle, in lifts: enough to be above a neighbour that closes a wedge of 1°.
 const WITNESS_LIFTS: f64 = 1024.0;
 /// Most times the proxy leaves the surface and comes back within one tick; then it waits on the surface.
-const MAX_LANDINGS: u32 = 16;
+const MAX_LANDINGS: u32 = 256;
+/// Most times it changes over to another sheet without moving: then no sheet leads further.
+const MAX_IN_PLACE: u32 = 8;
 
 /// Moves the proxy of one finger after the HIP and returns what the finger feels: see [`advance`](super::advance).
 pub(super) fn advance(scene: &TouchScene, state: &mut ContactState, hip: Hip) -> Contact {
@@ -53,7 +56,7 @@ pub(super) fn advance(scene: &TouchScene, state: &mut ContactState, hip: Hip) ->
         follow(scene, &walk, here, state.touch == Touch::Slip)
     } else {
         approach(scene, &walk, state.proxy_mm)
-            .and_then(|hit| follow(scene, &walk, landing(scene, hit), false))
+            .and_then(|footing| follow(scene, &walk, footing, false))
     };
     let contact = match rest {
         Some(rest) => felt(scene, &rest, cone, hip),
@@ -92,17 +95,28 @@ fn waiting(scene: &TouchScene, state: &ContactState, on_surface: bool) -> Contac
 
 /// The first place where the free motion from `from` to the HIP meets the surface.
 ///
-/// The motion is taken to begin a little earlier, by more than any rounding of the place it begins at: a proxy that
-/// came to stand on the surface, or by a rounding below, is stopped when it goes in.
-fn approach(scene: &TouchScene, walk: &Walk, from: Vec3) -> Option<Hit> {
-    let direction = unit_or(walk.hip - from, Vec3::ZERO);
-    if direction == Vec3::ZERO {
-        return None;
-    }
-    let start = from - direction * (WITNESS_LIFTS * walk.lift);
-    scene
-        .search
-        .sweep(&scene.surface, start, walk.hip, Sides::Front)
+/// A proxy that came to stand on the surface, or by a rounding below, is stopped where it goes in: by the triangle most in
+/// its way, from which the walk goes on, since by a rounding a sweep can slip through where two of them meet.
+fn approach(scene: &TouchScene, walk: &Walk, from: Vec3) -> Option<Footing> {
+    let motion = walk.hip - from;
+    let touch = TOUCH_LIFTS * walk.lift;
+    let mut most = 0.0;
+    let mut stands_on = None;
+    scene.search.around(from, touch, |t| {
+        let triangle = scene.surface.triangle(t);
+        let inward = motion.dot(triangle.normal());
+        if inward < most {
+            let point = triangle.closest_point(from).point;
+            if point.distance_squared(from) <= touch * touch {
+                most = inward;
+                stands_on = Some(Footing { triangle: t, point });
+            }
+        }
+    });
+    stands_on.or_else(|| {
+        let sweep = (scene.search).sweep(&scene.surface, from, walk.hip, Sides::Front);
+        sweep.map(|hit| landing(scene, hit))
+    })
 }
 
 fn landing(scene: &TouchScene, hit: Hit) -> Footing {
@@ -120,17 +134,27 @@ fn landing(scene: &TouchScene, hit: Hit) -> Footing {
 fn follow(scene: &TouchScene, walk: &Walk, start: Footing, slipping: bool) -> Option<Rest> {
     let mut here = start;
     let mut slipping = slipping;
+    let mut wall = None;
+    let mut in_place = 0;
     for _ in 0..MAX_LANDINGS {
-        let outcome = walk.run(here.triangle, here.point, slipping);
+        let outcome = walk.run(here, wall, slipping);
         slipping = false;
-        if let Outcome::Lifts(footing) | Outcome::SlidesOff(footing) = outcome
-            && let Some(face) = against(scene, walk, footing)
-        {
-            here = Footing {
-                triangle: face,
-                ..footing
+        if let Outcome::Lifts(footing) | Outcome::SlidesOff(footing) = outcome {
+            in_place = if footing.point == here.point {
+                in_place + 1
+            } else {
+                0
             };
-            continue;
+            let next = against(scene, walk, footing);
+            if let Some((triangle, ahead)) = next.filter(|_| in_place < MAX_IN_PLACE) {
+                here = Footing {
+                    triangle,
+                    ..footing
+                };
+                wall = ahead;
+                continue;
+            }
+            wall = None;
         }
         let hit = match outcome {
             Outcome::Rests(rest) => return Some(rest),
@@ -156,14 +180,16 @@ fn follow(scene: &TouchScene, walk: &Walk, start: Footing, slipping: bool) -> Op
     Some(walk.rest_in_plane(here))
 }
 
-/// The triangle of another sheet that a proxy leaving `footing` stands against and would enter.
-fn against(scene: &TouchScene, walk: &Walk, footing: Footing) -> Option<u32> {
-    if !scene.search.is_crossed(footing.triangle) {
+/// Where a proxy leaving `footing` goes on although it is not joined to it: against a sheet that rises there, or over to one
+/// that goes on from it.
+fn against(scene: &TouchScene, walk: &Walk, footing: Footing) -> Option<(u32, Option<Face>)> {
+    let Footing { triangle, point } = footing;
+    if !scene.search.is_crossed(triangle) {
         return None;
     }
-    let t = footing.triangle;
-    walk.blocker(t, t, footing.point, walk.hip - footing.point)
-        .map(|face| face.triangle)
+    let find = |wall| walk.blocker([triangle; 2], point, walk.hip - point, wall);
+    (find(true).map(|face| (triangle, Some(face))))
+        .or_else(|| find(false).map(|face| (face.triangle, None)))
 }
 
 /// A point just above the triangle of `footing` and a little inside it.

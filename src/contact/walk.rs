@@ -22,6 +22,9 @@ use crate::surface::{RIM, Surface};
 const MAX_STEPS: u32 = 4096;
 /// Most steps along creases of one walk: they ask the search structure each.
 const MAX_CREASES: u32 = 64;
+/// How near a sheet or an edge must be for the proxy to stand on it, in lifts: a sheet stops a motion that is looked at one
+/// lift above the face.
+pub(super) const TOUCH_LIFTS: f64 = 4.0;
 /// Anything nearer than this share of the cone's radius counts as in it: a proxy put on the cone stays there.
 pub(super) const ON_CONE: f64 = 1.0 + 1e-12;
 
@@ -79,26 +82,24 @@ pub(super) struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Walks from `proxy` on `triangle`. `slipping` says whether friction is dynamic from the start.
-    pub(super) fn run(&self, triangle: u32, proxy: Vec3, slipping: bool) -> Outcome {
+    /// Walks from `start`, where it stands against `wall` if there is one. `slipping` says whether friction is dynamic from
+    /// the start.
+    pub(super) fn run(&self, start: Footing, wall: Option<Face>, slipping: bool) -> Outcome {
         let mut radius = if slipping {
             self.cone.moving
         } else {
             self.cone.starting
         };
         let mut slipped = false;
-        let mut last_vertex = RIM;
+        let mut tried = Tried::default();
         let mut creases = 0;
-        let Some(mut at) = self.on_face(triangle, proxy) else {
-            return Outcome::Lifts(Footing {
-                triangle,
-                point: proxy,
-            });
+        let Some(mut at) = self.on_face(start) else {
+            return Outcome::Lifts(start);
         };
-        let mut here = Footing {
-            triangle,
-            point: proxy,
-        };
+        if let (At::Face(face, p), Some(wall)) = (at, wall) {
+            at = At::Crease(face, wall, p);
+        }
+        let mut here = start;
         for _ in 0..MAX_STEPS {
             let step = match at {
                 At::Face(face, p) => {
@@ -127,10 +128,14 @@ impl Walk<'_> {
                     self.follow_crease(&face, &other, q, radius)
                 }
                 At::Vertex(v) => {
-                    let again = v == last_vertex;
-                    last_vertex = v;
+                    if v != tried.vertex {
+                        tried = Tried {
+                            vertex: v,
+                            way: None,
+                        };
+                    }
                     here.point = self.surface.positions()[v as usize];
-                    self.pass_vertex(v, here, again)
+                    self.pass_vertex(here, &mut tried)
                 }
             };
             match step {
@@ -170,7 +175,8 @@ impl Walk<'_> {
     }
 
     /// Starts on `triangle`, or beyond it where it is too thin to have a plane.
-    fn on_face(&self, triangle: u32, p: Vec3) -> Option<At> {
+    fn on_face(&self, start: Footing) -> Option<At> {
+        let Footing { triangle, point: p } = start;
         if let Some(face) = Face::of(self.surface, triangle) {
             return Some(At::Face(face, p));
         }
@@ -183,10 +189,7 @@ impl Walk<'_> {
     fn cross_face(&self, face: &Face, p: Vec3, radius: f64) -> Step {
         let height = face.height(self.hip);
         if height > self.lift {
-            return Step::End(Outcome::Lifts(Footing {
-                triangle: face.triangle,
-                point: p,
-            }));
+            return self.leave_face(face, p);
         }
         let depth = (-height).max(0.0);
         let foot = self.hip - face.normal * height;
@@ -232,13 +235,38 @@ impl Walk<'_> {
             None => foot,
             Some((fraction, _)) => p + pull * (share * fraction),
         };
-        if let Some(stop) = self.stopped(face, p, end) {
+        if let Some(stop) = self.stopped(face, p, end, foot) {
             return stop;
         }
         match exit {
             None => rest(end, true),
             Some((_, i)) => Step::Slip(self.onto_edge(face, i, end)),
         }
+    }
+
+    /// Up from `face`, unless `p` is on its border and the HIP is not over it, or behind a face that rises there: so a proxy in
+    /// the bottom of however narrow a wedge stays in it.
+    fn leave_face(&self, face: &Face, p: Vec3) -> Step {
+        for i in 0..3 {
+            if face.rate(i, p - face.corners[i]) > TOUCH_LIFTS * self.lift {
+                continue;
+            }
+            if face.inside(i, self.hip) < 0.0 {
+                return Step::Go(self.onto_edge(face, i, p));
+            }
+            let across = self.surface.topology().across(face.triangle)[i];
+            if let Some(other) = Face::of(self.surface, across)
+                && other.height(self.hip) <= self.lift
+                && face.height(other.corners[(other.edge_from(face.vertices[(i + 1) % 3]) + 2) % 3])
+                    > self.lift
+            {
+                return Step::Go(At::Face(other, p));
+            }
+        }
+        Step::End(Outcome::Lifts(Footing {
+            triangle: face.triangle,
+            point: p,
+        }))
     }
 
     /// The point of edge `i` nearest to `q`, or its end.
@@ -276,7 +304,9 @@ impl Walk<'_> {
             return Step::End(Outcome::SlidesOff(here));
         }
         if down.dot(outward) > self.lift {
-            let higher = if down.dot(face.normal) >= down.dot(other.normal) {
+            // From the face it came over where it can: the other may be covered by another sheet.
+            let over = down.dot(face.normal);
+            let higher = if over > 0.0 || over >= down.dot(other.normal) {
                 face
             } else {
                 &other
@@ -311,10 +341,10 @@ impl Walk<'_> {
         };
         let one = face.triangle;
         if self.search.is_crossed(one) || self.search.is_crossed(across) {
-            if self.blocker(one, across, q, end - q).is_some() {
+            if self.blocker([one, across], q, end - q, true).is_some() {
                 return self.cornered(one, q);
             }
-            if let Some(hit) = self.sheet_between(q, end, outward) {
+            if let Some(hit) = self.sheet_between([one, across], q, end, outward) {
                 return self.cornered(one, hit.point);
             }
         }
@@ -363,16 +393,20 @@ impl Walk<'_> {
         }
     }
 
-    fn pass_vertex(&self, v: u32, from: Footing, again: bool) -> Step {
-        let p = self.surface.positions()[v as usize];
+    /// Down the steepest way from a vertex that has not been tried: one may lead straight back by a rounding.
+    fn pass_vertex(&self, from: Footing, tried: &mut Tried) -> Step {
+        let (v, p) = (tried.vertex, from.point);
         let down = self.hip - p;
         let topology = self.surface.topology();
-        let mut best: Option<(f64, At)> = None;
+        let mut best: Option<(f64, u32, At)> = None;
+        let mut ways = 0;
         let mut open = false;
         let mut highest: Option<(f64, u32)> = None;
         let mut offer = |rate: f64, at: At| {
-            if rate > self.lift && best.is_none_or(|(most, _)| rate > most) {
-                best = Some((rate, at));
+            ways += 1;
+            let fresh = (tried.way).is_none_or(|(r, way)| rate < r || rate == r && ways > way);
+            if rate > self.lift && fresh && best.is_none_or(|(most, ..)| rate > most) {
+                best = Some((rate, ways, at));
             }
         };
         for &t in topology.triangles_of(v) {
@@ -403,9 +437,8 @@ impl Walk<'_> {
             return Step::End(Outcome::Rests(self.rest_in_plane(from)));
         };
         let here = Footing { triangle, point: p };
-        if let Some((_, at)) = best
-            && !again
-        {
+        if let Some((rate, way, at)) = best {
+            tried.way = Some((rate, way));
             return Step::Slip(at);
         }
         let tangential = down.length_squared() - height * height;
@@ -424,6 +457,21 @@ impl Walk<'_> {
             foot: p,
             slipped: true,
         }))
+    }
+}
+
+/// The vertex last stood on, and the way down from it taken last: its rate, mm, and its place among the ways.
+struct Tried {
+    vertex: u32,
+    way: Option<(f64, u32)>,
+}
+
+impl Default for Tried {
+    fn default() -> Self {
+        Self {
+            vertex: RIM,
+            way: None,
+        }
     }
 }
 
