@@ -7,6 +7,7 @@
 //! Times are measured on the machine at hand and say so; what must hold does not depend on them.
 
 mod clock;
+pub mod contact;
 mod document;
 pub mod partition;
 mod report;
@@ -24,11 +25,7 @@ pub use watch::{Stopped, Watch};
 
 /// Every experiment, groups side by side.
 pub fn all() -> &'static [&'static dyn Experiment] {
-    &[
-        &partition::Complexity,
-        &partition::Completeness,
-        &partition::Threshold,
-    ]
+    &[&partition::Complexity, &contact::Torture]
 }
 
 /// One experiment.
