@@ -220,6 +220,10 @@ fn print_table(p: &Printed<'_>) {
         );
         row("height", s.height.to_string());
         row(
+            "w",
+            format!("{:.2}, of a complete tree {:.2}", s.w, s.w_complete),
+        );
+        row(
             "entries",
             format!(
                 "{}, {:.3} per triangle",

@@ -104,6 +104,45 @@ impl Tree {
         node.first_child..node.first_child + many
     }
 
+    /// Children of an inner node: 2 or 8.
+    pub fn fanout(&self) -> u32 {
+        self.fanout
+    }
+
+    /// The planes that split an inner node, as axis and place, mm; none for a leaf. Bit `i` of a child's place among its
+    /// siblings says whether it lies above the `i`-th.
+    pub fn splits(&self, node: &Node) -> impl Iterator<Item = (usize, f64)> + use<> {
+        let centre = node.cell.centre();
+        let axes = match (node.is_leaf(), self.fanout) {
+            (true, _) => 0..0,
+            (false, 2) => {
+                let axis = super::bsp::axis(node.level);
+                axis..axis + 1
+            }
+            (false, _) => 0..3,
+        };
+        axes.map(move |axis| (axis, centre[axis]))
+    }
+
+    /// Numbers of the nodes whose cells hold `p`, from the root to a leaf; a point on a plane belongs above it. Empty where
+    /// `p` lies outside of the surface's box or is not finite.
+    pub fn path_to(&self, p: Vec3) -> Vec<u32> {
+        let mut path = Vec::new();
+        let mut next = (self.nodes.first())
+            .filter(|root| root.cell.contains(p))
+            .map(|_| 0);
+        while let Some(at) = next {
+            path.push(at);
+            let node = &self.nodes[at as usize];
+            let mut child = node.first_child;
+            for (i, (axis, at_mm)) in self.splits(node).enumerate() {
+                child += u32::from(p[axis] >= at_mm) << i;
+            }
+            next = (!node.is_leaf()).then_some(child);
+        }
+        path
+    }
+
     /// Triangles a leaf lists; none for an inner node.
     pub fn held(&self, node: &Node) -> &[u32] {
         if node.is_leaf() {
@@ -167,6 +206,67 @@ impl Tree {
             1 => self.nodes[last].bounds.min.y += 1.0,
             2 => self.nodes[last].held -= 1,
             _ => self.nodes[last].cell.max.z += 1.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::partition::structure::{Structure, TREES};
+    use crate::surface::Surface;
+    use crate::surface::primitives::bench_patch;
+
+    /// Every split plane lies where the boxes of the two children meet, and the path to a point goes from cell to cell
+    /// that hold it, down to a leaf.
+    #[test]
+    fn planes_part_the_children_and_paths_lead_to_the_leaf_of_a_point() {
+        let surface = Surface::new(bench_patch(2000)).unwrap().0;
+        let options = Options {
+            threshold: 40,
+            case: Case::C,
+        };
+        for kind in TREES {
+            let built = Structure::build(kind, &surface, &options, &mut |_| true);
+            let built = built.unwrap().unwrap();
+            let tree = built.tree().unwrap();
+            for node in tree.nodes() {
+                let under: Vec<_> = tree.children(node).collect();
+                assert_eq!(
+                    tree.splits(node).count(),
+                    match under.len() {
+                        0 => 0,
+                        2 => 1,
+                        _ => 3,
+                    }
+                );
+                for (i, (axis, at_mm)) in tree.splits(node).enumerate() {
+                    for (number, &child) in under.iter().enumerate() {
+                        let cell = tree.nodes()[child as usize].cell;
+                        let upper = number >> i & 1 == 1;
+                        let face = if upper { cell.min } else { cell.max };
+                        assert_eq!(face[axis], at_mm, "{kind}");
+                    }
+                }
+            }
+            for triangle in (0..surface.triangles().len() as u32).step_by(37) {
+                let p = surface.triangle(triangle).centroid();
+                let path = tree.path_to(p);
+                assert_eq!(path[0], 0);
+                for pair in path.windows(2) {
+                    assert!(
+                        tree.children(&tree.nodes()[pair[0] as usize])
+                            .contains(&pair[1])
+                    );
+                }
+                assert!(
+                    path.iter()
+                        .all(|&n| tree.nodes()[n as usize].cell.contains(p))
+                );
+                assert!(tree.nodes()[*path.last().unwrap() as usize].is_leaf());
+            }
+            assert!(tree.path_to(Vec3::splat(1e6)).is_empty());
+            assert!(tree.path_to(Vec3::NAN).is_empty());
         }
     }
 }

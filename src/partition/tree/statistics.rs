@@ -36,6 +36,10 @@ pub struct Statistics {
     pub unsplittable_leaves: usize,
     /// Levels under the root.
     pub height: u32,
+    /// Worst cost of finding one leaf, over finding it in a list: w = (nodes visited / all nodes) / (1 / leaves).
+    pub w: f64,
+    /// The same for a complete tree of this height: see [`super::worst_w`].
+    pub w_complete: f64,
     /// Mean number of entries in a leaf that is not empty.
     pub mean_occupancy: f64,
     /// Most entries in a leaf.
@@ -72,6 +76,8 @@ impl Tree {
             empty_leaves: n_leaves - n_full,
             unsplittable_leaves: self.unsplittable,
             height: self.height(),
+            w: f64::from(self.height() + 1) / self.nodes.len().max(1) as f64 * n_leaves as f64,
+            w_complete: super::worst_w(self.fanout, self.height()),
             mean_occupancy: mean(entries),
             max_occupancy,
             mean_overlap: mean(overlaps),
