@@ -10,6 +10,7 @@ mod gl;
 
 use dorsum::app::camera::{Camera, Preset, Projection};
 use dorsum::app::render::arrow::Arrow;
+use dorsum::app::render::layer::Overlay;
 use dorsum::app::render::mesh::SkinMesh;
 use dorsum::app::render::sphere::Sphere;
 use dorsum::app::render::{Painted, Palette, Picture, Renderer, shade};
@@ -59,10 +60,12 @@ fn picture(surface: &Surface) -> Picture {
             floor_bottom: [30, 33, 37],
             wire: [22, 24, 27],
         },
+        skin: true,
         wireframe: false,
         draft: false,
         spheres: Vec::new(),
         arrows: Vec::new(),
+        overlay: Overlay::default(),
     }
 }
 

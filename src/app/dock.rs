@@ -31,6 +31,8 @@ pub struct PanelSlot {
     pub tooltip: &'static str,
     /// Where it belongs.
     pub home: Home,
+    /// Whether it is open at the first launch.
+    pub opens_at_first: bool,
     /// The panel itself. Locked only while it is drawn.
     pub panel: Mutex<Box<dyn Panel>>,
 }
@@ -47,6 +49,7 @@ pub fn slots(panels: Vec<Box<dyn Panel>>) -> Panels {
             title: panel.title(),
             tooltip: panel.tooltip(),
             home: panel.home(),
+            opens_at_first: panel.opens_at_first(),
             panel: Mutex::new(panel),
         })
         .collect()
@@ -102,12 +105,16 @@ impl Layout {
             [main, right],
             MAIN_SHARE,
         ));
-        Self {
+        let mut layout = Self {
             format: FORMAT,
             tree: Tree::new(egui::Id::unique("dock"), root, tiles),
             closed: BTreeSet::new(),
             popped: BTreeSet::new(),
+        };
+        for panel in panels.iter().filter(|p| !p.opens_at_first) {
+            layout.close(panel.key);
         }
+        layout
     }
 
     /// Whether this stored arrangement fits the panels there are: each exactly once.
@@ -385,14 +392,17 @@ mod tests {
     }
 
     #[test]
-    fn the_first_layout_has_every_panel_once_and_open() {
+    fn the_first_layout_has_every_panel_once_and_those_open_that_cost_nothing() {
         let panels = panels();
         let layout = Layout::first(&panels);
         assert!(layout.fits(&panels));
-        assert!(panels.iter().all(|p| !layout.is_closed(p.key)));
-        let main: Vec<_> = panels.iter().filter(|p| p.home == Home::Main).collect();
-        assert_eq!(main.len(), 1, "one panel takes the left two thirds");
-        assert_eq!(main[0].key, crate::app::panels::BACK_VIEW_KEY);
+        let closed = panels.iter().filter(|p| layout.is_closed(p.key));
+        let closed: Vec<_> = closed.map(|p| p.key).collect();
+        assert_eq!(closed, [crate::app::panels::partition::KEY]);
+        let mut main = panels.iter().filter(|p| p.home == Home::Main);
+        let open: Vec<_> = main.by_ref().filter(|p| p.opens_at_first).collect();
+        assert_eq!(open.len(), 1, "one panel takes the left two thirds");
+        assert_eq!(open[0].key, crate::app::panels::BACK_VIEW_KEY);
         assert!(
             panels
                 .iter()

@@ -11,6 +11,7 @@
 //! | [`mod@bench`] | what runs behind the window: scene, servo, recorder, replay |
 //! | [`shell`] | menu, dock, own windows, status bar, keys |
 //! | [`dock`] | where the panels are |
+//! | [`study`] | the tree of cells that is looked at |
 //! | [`messages`] | what the workbench had to say |
 //! | [`render`] | the skin on the graphics card; the only place for `f32` |
 
@@ -27,6 +28,7 @@ pub mod panels;
 pub mod render;
 pub mod shell;
 pub mod state;
+pub mod study;
 pub mod theme;
 pub mod widgets;
 

@@ -2,6 +2,7 @@
 
 use super::history::History;
 use super::messages::Message;
+use super::study::SharedStudy;
 use super::theme::Theme;
 use crate::device::mouse::MouseHandle;
 use crate::scenario::{Item, Scene, Use};
@@ -21,6 +22,8 @@ pub struct View {
     pub purpose: Use,
     /// What panels built for it.
     pub parts: Parts,
+    /// The tree of cells under study, for the panels that show it.
+    pub study: SharedStudy,
     /// The scene being built.
     pub build: Option<BuildStatus>,
     /// The fingers shown now: the newest tick, or the replayed instant.
@@ -57,6 +60,7 @@ impl Default for View {
             scene_generation: 0,
             purpose: Use::default(),
             parts: Parts::default(),
+            study: SharedStudy::default(),
             build: None,
             fingers: Vec::new(),
             live: Snapshot::default(),

@@ -5,6 +5,19 @@
 
 use egui::Color32;
 
+/// Colours of a tree of cells, as the dissertation draws them, in tones that no finger wears.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TreeColors {
+    /// Leaves: a blue near cyan.
+    pub leaf: Color32,
+    /// Inner nodes.
+    pub node: Color32,
+    /// Planes across x, y and z: green, a red near brown, yellow.
+    pub planes: [Color32; 3],
+    /// Haptic triangles and their box.
+    pub haptic: Color32,
+}
+
 /// Colours of one brightness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Theme {
@@ -36,6 +49,8 @@ pub struct Theme {
     pub fingers: [Color32; crate::device::MAX_FINGERS],
     /// The floor behind the skin, at the top and at the bottom.
     pub floor: [Color32; 2],
+    /// A tree of cells over the skin.
+    pub tree: TreeColors,
 }
 
 /// The dark table.
@@ -59,6 +74,16 @@ pub const DARK: Theme = Theme {
         Color32::from_rgb(255, 160, 150),
     ],
     floor: [Color32::from_rgb(58, 63, 70), Color32::from_rgb(30, 33, 37)],
+    tree: TreeColors {
+        leaf: Color32::from_rgb(64, 224, 232),
+        node: Color32::from_rgb(168, 172, 178),
+        planes: [
+            Color32::from_rgb(128, 178, 66),
+            Color32::from_rgb(178, 104, 36),
+            Color32::from_rgb(238, 214, 72),
+        ],
+        haptic: Color32::from_rgb(64, 240, 120),
+    },
 };
 
 /// The light table.
@@ -85,6 +110,16 @@ pub const LIGHT: Theme = Theme {
         Color32::from_rgb(236, 238, 241),
         Color32::from_rgb(198, 203, 209),
     ],
+    tree: TreeColors {
+        leaf: Color32::from_rgb(0, 152, 168),
+        node: Color32::from_rgb(104, 108, 114),
+        planes: [
+            Color32::from_rgb(86, 132, 22),
+            Color32::from_rgb(140, 76, 10),
+            Color32::from_rgb(190, 156, 0),
+        ],
+        haptic: Color32::from_rgb(0, 176, 64),
+    },
 };
 
 impl Theme {

@@ -74,6 +74,36 @@ pub fn bytes(n: u64) -> String {
     }
 }
 
+/// A time with three figures and its unit.
+pub fn time(us: f64) -> String {
+    if us < 10.0 {
+        format!("{us:.2} µs")
+    } else if us < 100.0 {
+        format!("{us:.1} µs")
+    } else if us < 1e3 {
+        format!("{us:.0} µs")
+    } else if us < 1e4 {
+        format!("{:.2} ms", us / 1e3)
+    } else if us < 1e5 {
+        format!("{:.1} ms", us / 1e3)
+    } else {
+        format!("{:.0} ms", us / 1e3)
+    }
+}
+
+/// A count with commas between thousands.
+pub fn grouped(n: usize) -> String {
+    let digits = n.to_string();
+    let mut out = String::new();
+    for (i, c) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            out.push(',');
+        }
+        out.push(c);
+    }
+    out
+}
+
 #[cfg(test)]
 mod tests {
     #[test]
@@ -82,5 +112,14 @@ mod tests {
         assert_eq!(super::bytes(1500), "1.5 kB");
         assert_eq!(super::bytes(2_000_000), "2.0 MB");
         assert_eq!(super::bytes(3_500_000_000), "3.50 GB");
+    }
+
+    #[test]
+    fn numbers_read_well() {
+        assert_eq!(super::grouped(2_000_000), "2,000,000");
+        assert_eq!(super::grouped(962), "962");
+        assert_eq!(super::time(0.523), "0.52 µs");
+        assert_eq!(super::time(12345.6), "12.3 ms");
+        assert_eq!(super::time(345_678.0), "346 ms");
     }
 }

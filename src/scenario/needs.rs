@@ -16,6 +16,8 @@ pub struct Use {
     pub recorded: bool,
     /// A plot panel is open.
     pub plotted: bool,
+    /// A Partition panel is open.
+    pub partitioned: bool,
 }
 
 /// A part that a scene may need.
@@ -37,6 +39,8 @@ pub enum Item {
     TangentialField,
     /// Vertex buffers for the window.
     GraphicsMesh,
+    /// A published tree of cells, to be looked at.
+    PartitionTree,
     /// Plot history.
     PlotHistory,
     /// The recorder's writer.
@@ -45,7 +49,7 @@ pub enum Item {
 
 impl Item {
     /// Every part, in the order of the ledger.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Surface,
         Self::Search,
         Self::StiffnessField,
@@ -54,6 +58,7 @@ impl Item {
         Self::Deformation,
         Self::TangentialField,
         Self::GraphicsMesh,
+        Self::PartitionTree,
         Self::PlotHistory,
         Self::Recorder,
     ];
@@ -69,6 +74,7 @@ impl Item {
             Self::Deformation => "Deformation",
             Self::TangentialField => "Tangential field",
             Self::GraphicsMesh => "Graphics mesh",
+            Self::PartitionTree => "Partition tree",
             Self::PlotHistory => "Plot history",
             Self::Recorder => "Recorder",
         }
@@ -123,6 +129,11 @@ impl Item {
                 (false, _) => LeftOut("nothing shows the skin"),
             },
             Self::GraphicsMesh => choose(purpose.drawn, "back view", "no back view is open"),
+            Self::PartitionTree => choose(
+                purpose.partitioned,
+                "partition panel",
+                "no partition panel is open and no engine uses it",
+            ),
             Self::PlotHistory => choose(purpose.plotted, "plots", "no plot is open"),
             Self::Recorder => choose(purpose.recorded, "recording", "nothing is recorded"),
         }

@@ -36,6 +36,7 @@ pub fn scene() -> Arc<Scene> {
                 deformed: true,
                 recorded: true,
                 plotted: true,
+                partitioned: false,
             };
             let scene = scenario::build(Arc::new(scenario), purpose, &mut |_, _| true);
             Arc::new(scene.unwrap())

@@ -4,7 +4,7 @@
 
 mod builder;
 mod demo;
-mod job;
+pub(in crate::app) mod job;
 mod live;
 mod recording;
 mod replay;
@@ -41,6 +41,8 @@ const PURPOSE: Use = Use {
     deformed: true,
     recorded: true,
     plotted: true,
+    // Built by its panel, on its own.
+    partitioned: false,
 };
 
 /// Counts are looked at this often.

@@ -1,7 +1,9 @@
 //! The panels: one file each, listed once.
 
 pub mod back_view;
+mod legend;
 mod messages;
+pub mod partition;
 mod plots;
 mod recorder;
 mod scene;
@@ -26,6 +28,10 @@ pub trait Panel: Send {
     /// Where it opens at first.
     fn home(&self) -> Home {
         Home::RightTop
+    }
+    /// Whether it is open at the first launch. One that costs memory or time while it is open is not.
+    fn opens_at_first(&self) -> bool {
+        true
     }
     /// Draws it into all of `ui`.
     fn ui(&mut self, ui: &mut egui::Ui, cx: &PanelContext<'_>);
@@ -53,6 +59,7 @@ pub fn all() -> Vec<Box<dyn Panel>> {
         Box::new(plots::Plots::default()),
         Box::new(scene::ScenePanel::default()),
         Box::new(timing::Timing::default()),
+        Box::new(partition::PartitionPanel::default()),
         Box::new(recorder::Recorder::default()),
         Box::new(messages::MessagesPanel::default()),
     ]

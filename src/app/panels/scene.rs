@@ -4,7 +4,7 @@ use super::{Panel, PanelContext};
 use crate::app::command::{Action, Command};
 use crate::app::history::History;
 use crate::app::state::View;
-use crate::app::widgets::{action_button, bytes, empty_ui};
+use crate::app::widgets::{action_button, bytes, empty_ui, grouped, time};
 use crate::scenario::{self, Item, Ledger, LedgerRow, Scene};
 use egui_material_icons::icons as icon;
 use std::path::PathBuf;
@@ -258,47 +258,12 @@ fn right(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
     });
 }
 
-/// A time with three figures and its unit.
-fn time(us: f64) -> String {
-    if us < 10.0 {
-        format!("{us:.2} µs")
-    } else if us < 100.0 {
-        format!("{us:.1} µs")
-    } else if us < 1e3 {
-        format!("{us:.0} µs")
-    } else if us < 1e4 {
-        format!("{:.2} ms", us / 1e3)
-    } else if us < 1e5 {
-        format!("{:.1} ms", us / 1e3)
-    } else {
-        format!("{:.0} ms", us / 1e3)
-    }
-}
-
-/// A count with commas between thousands.
-fn grouped(n: usize) -> String {
-    let digits = n.to_string();
-    let mut out = String::new();
-    for (i, c) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            out.push(',');
-        }
-        out.push(c);
-    }
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn numbers_read_well() {
-        assert_eq!(grouped(2_000_000), "2,000,000");
-        assert_eq!(grouped(962), "962");
-        assert_eq!(time(0.523), "0.52 µs");
-        assert_eq!(time(12345.6), "12.3 ms");
-        assert_eq!(time(345_678.0), "346 ms");
+    fn an_example_is_named_by_its_file() {
         assert_eq!(
             example_name("t5_right-hypertonic.toml"),
             "T5 right hypertonic"

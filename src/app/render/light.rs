@@ -31,7 +31,10 @@ impl Light {
         };
         Self {
             clip_from_subject: camera
-                .clip_from_subject(picture.size(), &picture.bounds)
+                .clip_from_subject(
+                    picture.size(),
+                    &picture.bounds.union(picture.overlay.bounds),
+                )
                 .to_cols_array()
                 .map(|x| x as f32),
             eye: eye.to_array().map(|x| x as f32),

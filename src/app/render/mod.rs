@@ -6,6 +6,7 @@
 //! | [`shade`] | hollows, ridges and tone, baked per vertex |
 //! | `skin` | its buffers and drawing, wire overlay |
 //! | [`sphere`], [`arrow`], [`solid`] | fingers and forces |
+//! | [`layer`] | boxes, planes and marked triangles over the skin |
 //! | [`light`] | eye and lights |
 //! | `target` | the picture's own multisampled framebuffer |
 //! | `gl` | programs, vertex arrays |
@@ -17,6 +18,7 @@
 
 pub mod arrow;
 mod gl;
+pub mod layer;
 pub mod light;
 pub mod mesh;
 pub mod pixels;
@@ -27,10 +29,12 @@ pub mod sphere;
 mod target;
 
 use crate::app::camera::Camera;
+use crate::app::theme::Theme;
 use crate::geom::{Aabb, Vec2};
 use arrow::Arrow;
 use eframe::glow::{self, HasContext as _};
 use gl::{Program, VertexArray, attribute};
+use layer::{Layers, Overlay};
 use light::Light;
 use mesh::SkinMesh;
 use skin::{Skin, SkinPrograms};
@@ -51,6 +55,22 @@ pub struct Palette {
     pub wire: [u8; 3],
 }
 
+impl Palette {
+    /// Of a window's colours.
+    pub fn of(theme: &Theme) -> Self {
+        Self {
+            dark: theme.dark,
+            floor_top: pixels::rgb(theme.floor[0]),
+            floor_bottom: pixels::rgb(theme.floor[1]),
+            wire: pixels::rgb(if theme.dark {
+                theme.background
+            } else {
+                theme.text
+            }),
+        }
+    }
+}
+
 /// Everything to be drawn besides the skin itself. Two equal pictures of one skin look the same.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
@@ -58,10 +78,12 @@ pub struct Picture {
     pub camera: Camera,
     /// Size, pixels.
     pub size_px: [u32; 2],
-    /// What must not be cut off in depth, mm.
+    /// What must not be cut off in depth, mm, beside the overlay.
     pub bounds: Aabb,
     /// Colours.
     pub palette: Palette,
+    /// Whether the skin itself is drawn.
+    pub skin: bool,
     /// Whether edges are drawn over the skin.
     pub wireframe: bool,
     /// Drawn with one sample per pixel: for pictures that the next one soon replaces.
@@ -70,6 +92,8 @@ pub struct Picture {
     pub spheres: Vec<Sphere>,
     /// The forces.
     pub arrows: Vec<Arrow>,
+    /// What is laid over the skin.
+    pub overlay: Overlay,
 }
 
 impl Picture {
@@ -91,6 +115,8 @@ pub struct Painted {
     pub drawn: bool,
     /// Vertices sent to the graphics card, without a first whole upload.
     pub uploaded_vertices: usize,
+    /// Layers and patches of the overlay sent to the graphics card.
+    pub uploaded_layers: usize,
     /// Samples per pixel.
     pub samples: i32,
 }
@@ -106,6 +132,7 @@ pub struct Renderer {
     solid_array: VertexArray,
     solids: Solids,
     skin: Option<Skin>,
+    layers: Layers,
     /// The fine one and the one for drafts, each made when first drawn on.
     targets: [Option<Target>; 2],
     max_samples: i32,
@@ -160,6 +187,7 @@ impl Renderer {
             solid_array,
             solids: Solids::default(),
             skin: None,
+            layers: Layers::new(gl)?,
             targets: [None, None],
             max_samples,
             is_software,
@@ -241,9 +269,10 @@ impl Renderer {
         let Some(target) = &self.targets[usize::from(picture.draft)] else {
             return Ok(Painted::default());
         };
-        let painted = Painted {
+        let mut painted = Painted {
             drawn: changed,
             uploaded_vertices,
+            uploaded_layers: 0,
             samples: target.samples(),
         };
         if !changed {
@@ -255,12 +284,18 @@ impl Renderer {
         let light = Light::of(picture);
         self.upload_solids(gl, picture);
         if let Some(skin) = &mut self.skin {
-            skin.draw(gl, &self.skin_programs, picture, &light);
+            if picture.skin {
+                skin.draw(gl, &self.skin_programs, picture, &light);
+            }
             if picture.wireframe {
                 skin.draw_wire(gl, &self.skin_programs, picture, &light, mesh)?;
             }
+            let vertices = (skin.mesh_id(), skin.vertex_buffer());
+            painted.uploaded_layers = self.layers.upload(gl, &picture.overlay, vertices)?;
         }
         self.draw_solids(gl, &light);
+        // Last: it lets what lies behind show through.
+        self.layers.draw(gl, &picture.overlay, &light);
         if let Some(target) = &self.targets[usize::from(picture.draft)] {
             target.resolve(gl);
         }
@@ -355,6 +390,7 @@ impl Renderer {
     pub fn delete(self, gl: &glow::Context) {
         self.empty.delete(gl);
         self.solid_array.delete(gl);
+        self.layers.delete(gl);
         if let Some(skin) = self.skin {
             skin.delete(gl);
         }

@@ -135,6 +135,11 @@ impl Skin {
         self.mesh_id
     }
 
+    /// Its vertices, for what is drawn with them.
+    pub fn vertex_buffer(&self) -> glow::Buffer {
+        self.array.buffers[VERTICES]
+    }
+
     /// Uploads what changed in the mesh it was made from; returns how many vertices went up.
     pub fn upload_changes(&mut self, gl: &glow::Context, mesh: &mut SkinMesh) -> usize {
         mesh.take_changed(&mut self.runs);

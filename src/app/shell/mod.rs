@@ -14,6 +14,7 @@ use super::dock::{self, Layout, Panels};
 use super::messages::Level;
 use super::panels::{self, PanelContext};
 use super::state::{FrameTiming, Parts, View};
+use super::study::SharedStudy;
 use super::theme::Theme;
 use crate::scenario::Use;
 use egui_material_icons::icons as icon;
@@ -37,9 +38,11 @@ struct Chrome {
     gl: Option<Arc<eframe::glow::Context>>,
     frame: FrameTiming,
     parts: Parts,
-    /// Whether a Back view and plots are open, be it behind another tab.
+    study: SharedStudy,
+    /// Whether a Back view, plots and the Partition panel are open, be it behind another tab.
     drawn: bool,
     plotted: bool,
+    partitioned: bool,
     /// Windows beside the main one, to be woken with it.
     windows: Vec<egui::ViewportId>,
 }
@@ -63,12 +66,14 @@ impl Shared {
         view.gl.clone_from(&chrome.gl);
         view.frame = chrome.frame;
         view.parts = chrome.parts.clone();
+        view.study = chrome.study.clone();
         view.purpose = Use {
             fingers: view.hands.len(),
             drawn: chrome.drawn,
             deformed: chrome.drawn,
             recorded: view.recorder.recording.is_some(),
             plotted: chrome.plotted,
+            partitioned: chrome.partitioned,
         };
         view
     }
@@ -160,8 +165,10 @@ impl Workbench {
                 gl: cc.gl.clone(),
                 frame: FrameTiming::default(),
                 parts: Parts::default(),
+                study: SharedStudy::default(),
                 drawn: true,
                 plotted: true,
+                partitioned: false,
                 windows: Vec::new(),
             }),
         });
@@ -242,6 +249,7 @@ impl eframe::App for Workbench {
         chrome.theme = Theme::of(self.dark);
         chrome.drawn = !self.layout.is_closed(panels::BACK_VIEW_KEY);
         chrome.plotted = !self.layout.is_closed(panels::PLOTS_KEY);
+        chrome.partitioned = !self.layout.is_closed(panels::partition::KEY);
         let plotted = chrome.plotted;
         chrome.windows = self.layout.popped().map(windows::viewport_id).collect();
         drop(chrome);

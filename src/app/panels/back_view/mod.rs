@@ -19,17 +19,21 @@ mod toolbar;
 
 use super::{Panel, PanelContext};
 use crate::app::camera::{Camera, Glide, Preset};
-use crate::app::render::{Palette, Picture, arrow::Arrow, pixels, sphere::Sphere};
+use crate::app::render::{Palette, Picture, arrow::Arrow, layer::Overlay, pixels, sphere::Sphere};
 use crate::app::state::View;
 use crate::app::widgets::empty_ui;
 use crate::geom::{Vec2, Vec3};
 use crate::scenario::Item;
 use egui_material_icons::icons as icon;
 use gesture::Gesture;
+pub(super) use overlay::plate;
 use palpate::{Palpation, Targets};
 use skin::DrawnSkin;
-use stage::SharedStage;
-pub use stage::draw_finely;
+pub use stage::{SharedStage, draw_finely};
+pub(super) use toolbar::preset_text;
+
+/// Colours over the skin and what they mean.
+type Legend = Vec<(egui::Color32, &'static str)>;
 
 /// What is shown beside the skin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -154,7 +158,12 @@ impl Panel for BackView {
         let fingers = model::fingers(skin.scene(), skin.displacement(), &cx.view.fingers);
         // A finger pressed by a script or a device shows as well how it is done.
         self.pressed_once |= fingers.iter().any(|f| f.hip_mm.is_some());
-        let picture = self.picture(cx, &fingers);
+        let tree = over_the_skin(ui.ctx(), cx.view);
+        let mut picture = self.picture(cx, &fingers);
+        let mut legend = Vec::new();
+        if let Some((overlay, entries)) = tree {
+            (picture.overlay, legend) = (overlay, entries);
+        }
         self.stage.lock().set_picture(picture, ui.ctx());
         ui.painter().add(self.stage.callback(rect));
 
@@ -175,7 +184,19 @@ impl Panel for BackView {
             },
         );
         self.toolbar(ui, rect, cx, &fingers);
+        super::legend::show(ui, rect, &cx.view.theme, &legend);
     }
+}
+
+/// The tree under study with its legend, where it is to be shown here too. The panel it belongs to may lie behind another
+/// tab, so it is brought up to date here as well.
+fn over_the_skin(ctx: &egui::Context, view: &View) -> Option<(Overlay, Legend)> {
+    let mut study = view.study.lock();
+    if !study.is_over_the_back() {
+        return None;
+    }
+    study.follow(view, &super::partition::wake(ctx));
+    Some((study.shown().overlay, study.legend(&view.theme)))
 }
 
 impl BackView {
@@ -256,16 +277,8 @@ impl BackView {
             camera: self.camera,
             size_px: [1, 1],
             bounds,
-            palette: Palette {
-                dark: theme.dark,
-                floor_top: pixels::rgb(theme.floor[0]),
-                floor_bottom: pixels::rgb(theme.floor[1]),
-                wire: pixels::rgb(if theme.dark {
-                    theme.background
-                } else {
-                    theme.text
-                }),
-            },
+            palette: Palette::of(theme),
+            skin: true,
             wireframe: self.options.wireframe,
             draft: false,
             spheres: fingers
@@ -285,6 +298,7 @@ impl BackView {
                     color: color(f),
                 })
                 .collect(),
+            overlay: Overlay::default(),
         }
     }
 }

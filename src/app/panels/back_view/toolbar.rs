@@ -111,7 +111,7 @@ fn toggle(ui: &mut egui::Ui, on: bool, icon: MaterialIcon, name: &str, why: &str
     response.on_hover_text(format!("{name}: {why}")).clicked()
 }
 
-fn preset_text(preset: Preset) -> (&'static str, &'static str) {
+pub(in crate::app::panels) fn preset_text(preset: Preset) -> (&'static str, &'static str) {
     match preset {
         Preset::Oblique => ("Oblique", "From behind, a little from the left and above"),
         Preset::Back => (
