@@ -152,6 +152,71 @@ fn two_fingers_of_a_trajectory_are_both_felt() {
     );
 }
 
+/// Every named choice of how a scene is felt is in the scenario, so a recording of it replays bit for bit.
+#[test]
+fn every_engine_and_force_model_replays_bit_exactly_and_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let base = "format = 1\nname = \"n\"\nsurface = { builtin = \"back\", triangles = 1000 }\n\
+        stiffness.constant_n_per_mm = 0.5\nfriction = { static = 0.46, dynamic = 0.44, skin_looseness = 1.3 }\n";
+    for (tables, engine, force) in [
+        (
+            "contact = { engine = \"published\", partition = \"bsp\", case = \"B\", threshold = 50, hdb_part = 0.1 }",
+            "published, bsp, case B, threshold 50, box 0.1 of the surface",
+            "linear",
+        ),
+        (
+            "contact.engine = \"published\"\nforce = { model = \"hunt-crossley\", exponent = 1.2 }",
+            "published, octree, threshold 1024, box 0.25 of the surface",
+            "hunt-crossley, damping 0.002 s/mm, exponent 1.2",
+        ),
+        (
+            "force = { model = \"nonlinear\", trend_mm = 3 }",
+            "production",
+            "nonlinear, from 30.000 % of the stiffness, trend 3 mm",
+        ),
+    ] {
+        let scenario = folder.path().join("s.toml");
+        std::fs::write(&scenario, format!("{base}{tables}\n")).expect("written");
+        let run = dorsum(
+            folder.path(),
+            &[
+                "run",
+                "s.toml",
+                "--script",
+                "slide",
+                "--fast",
+                "--record",
+                "a.mcap",
+                "--overwrite",
+                "--json",
+            ],
+        );
+        let run = json(&run);
+        assert!(
+            run["summary"]["peak_force_n"].as_f64().expect("a number") > 0.5,
+            "{run}"
+        );
+        let replay = json(&dorsum(
+            folder.path(),
+            &["replay", "a.mcap", "--check", "--json"],
+        ));
+        assert_eq!(replay["bit_exact"], true, "{tables}");
+        let told = json(&dorsum(folder.path(), &["scene", "s.toml", "--json"]));
+        assert_eq!(told["engine"], engine);
+        assert_eq!(told["force_model"], force);
+        let rows = told["ledger"].as_array().expect("rows");
+        let row = |name| rows.iter().find(|r| r["item"] == name).expect("a row");
+        let pass = row("Published haptic pass");
+        assert_eq!(pass["built"], engine != "production", "{pass}");
+        assert_eq!(
+            pass["cost_per"] == "build",
+            engine != "production",
+            "{pass}"
+        );
+        assert_eq!(row("Force model")["built"], force != "linear");
+    }
+}
+
 #[test]
 fn the_ledger_leaves_out_what_a_frictionless_scene_does_not_need() {
     let folder = tempfile::tempdir().expect("a folder");

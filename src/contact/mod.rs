@@ -8,6 +8,7 @@ mod face;
 mod force;
 mod friction;
 mod proxy;
+pub mod published;
 mod walk;
 
 use crate::geom::Vec3;
@@ -18,6 +19,7 @@ use std::sync::Arc;
 pub use force::ForceModel;
 pub use friction::anchor_from;
 pub use proxy::FARTHEST_MM;
+use published::Published;
 
 /// Everything the servo needs to know of a scene to feel it. Immutable while in use.
 #[derive(Clone, Debug)]
@@ -32,6 +34,8 @@ pub struct TouchScene {
     pub friction: Option<Friction>,
     /// How the finger meets the surface, by name.
     pub choices: Choices,
+    /// Present: this pass feels the surface in place of the production engine.
+    pub published: Option<Arc<Published>>,
 }
 
 /// The named choices of how the finger meets the surface. Each has a default that costs nothing.
@@ -72,7 +76,10 @@ impl Hip {
 ///
 /// A HIP that is not finite, or beyond [`FARTHEST_MM`], leaves the state as it was and feels nothing.
 pub fn advance(scene: &TouchScene, state: &mut ContactState, hip: impl Into<Hip>) -> Contact {
-    proxy::advance(scene, state, hip.into())
+    match &scene.published {
+        None => proxy::advance(scene, state, hip.into()),
+        Some(published) => published::advance(scene, published, state, hip.into()),
+    }
 }
 
 impl TouchScene {
@@ -84,12 +91,15 @@ impl TouchScene {
             stiffness,
             friction: None,
             choices: Choices::default(),
+            published: None,
         }
     }
 
-    /// Memory held by the search structure and the stiffness values, bytes; the surface is counted by itself.
+    /// Memory held by the search structures and the stiffness values, bytes; the surface is counted by itself.
     pub fn bytes(&self) -> usize {
-        self.search.bytes() + self.stiffness.bytes()
+        self.search.bytes()
+            + self.stiffness.bytes()
+            + self.published.as_ref().map_or(0, |p| p.bytes())
     }
 }
 

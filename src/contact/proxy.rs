@@ -21,9 +21,9 @@ pub const FARTHEST_MM: f64 = 1.0e9;
 
 /// Rounding of a height, in units in the last place of the largest coordinate, with a wide margin: heights are sums of
 /// three products of differences.
-const LIFT_ULPS: f64 = 64.0;
+pub(super) const LIFT_ULPS: f64 = 64.0;
 /// How far a witness lies inside its triangle, in lifts: enough to be above a neighbour that closes a wedge of 1°.
-const WITNESS_LIFTS: f64 = 1024.0;
+pub(super) const WITNESS_LIFTS: f64 = 1024.0;
 /// Most times the proxy leaves the surface and comes back within one tick; then it waits on the surface.
 const MAX_LANDINGS: u32 = 256;
 /// Most times it changes over to another sheet without moving: then no sheet leads further.
@@ -75,7 +75,7 @@ pub(super) fn advance(scene: &TouchScene, state: &mut ContactState, hip: Hip) ->
 }
 
 /// No reading: the proxy stays, no force.
-fn waiting(scene: &TouchScene, state: &ContactState, on_surface: bool) -> Contact {
+pub(super) fn waiting(scene: &TouchScene, state: &ContactState, on_surface: bool) -> Contact {
     let idle = Contact {
         anchor_mm: state.proxy_mm,
         foot_mm: state.proxy_mm,
@@ -219,7 +219,7 @@ fn stiffness_at(scene: &TouchScene, triangle: u32, p: Vec3) -> f64 {
     }
 }
 
-fn felt(scene: &TouchScene, rest: &Rest, cone: Cone, hip: Hip) -> Contact {
+pub(super) fn felt(scene: &TouchScene, rest: &Rest, cone: Cone, hip: Hip) -> Contact {
     let k = stiffness_at(scene, rest.triangle, rest.proxy);
     let (touch, foot_mm) = match (&scene.friction, rest.slipped) {
         (None, _) => (Touch::Frictionless, rest.proxy),

@@ -17,6 +17,17 @@ pub fn cube(surface: &Surface, proxy: Vec3) -> Aabb {
     Aabb::cube(proxy, edge_mm(surface))
 }
 
+/// Which triangles a structure gathers for a box.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Query {
+    /// As published: all that the leaves list which the query of the structure finds. Without a structure, all there are.
+    #[default]
+    Published,
+    /// Exactly those whose box overlaps the region; alike for every structure.
+    Complete,
+}
+
 /// What one box query cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Gathered {

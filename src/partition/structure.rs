@@ -3,7 +3,7 @@
 use super::brute::Brute;
 use super::bsp::Bsp;
 use super::bvh::Bvh;
-use super::hdb::Gathered;
+use super::hdb::{Gathered, Query};
 use super::hybrid::Hybrid;
 use super::octree::Octree;
 use super::tree::{Options, Statistics, Tree};
@@ -102,6 +102,39 @@ impl Structure {
             Self::Bsp(p) => Some(p.gather_by_half_spaces(region, out)),
             Self::Octree(p) => Some(p.gather_by_cells(region, out)),
             Self::Hybrid(p) => Some(p.gather_by_cells(region, out)),
+        }
+    }
+
+    /// Names the triangles that `query` finds for `region`, in no order and as often as leaves list them, and tells the
+    /// cost. Allocates nothing. Structures that are no trees of cells ask every triangle.
+    pub fn each(
+        &self,
+        surface: &Surface,
+        region: &Aabb,
+        query: Query,
+        mut name: impl FnMut(u32),
+    ) -> Gathered {
+        match (self, query) {
+            (Self::Bsp(p), Query::Published) => p.each_by_half_spaces(region, name),
+            (Self::Octree(p), Query::Published) => p.tree().each_by_cells(region, name),
+            (Self::Hybrid(p), Query::Published) => p.tree().each_by_cells(region, name),
+            (Self::Bsp(p), Query::Complete) => p.tree().each_in(surface, region, name),
+            (Self::Octree(p), Query::Complete) => p.tree().each_in(surface, region, name),
+            (Self::Hybrid(p), Query::Complete) => p.tree().each_in(surface, region, name),
+            (Self::Brute(_) | Self::Bvh(_), _) => {
+                let all = 0..surface.triangles().len() as u32;
+                let mut named = 0;
+                for t in all.filter(|&t| {
+                    query == Query::Published || surface.triangle(t).aabb().overlaps(region)
+                }) {
+                    name(t);
+                    named += 1;
+                }
+                Gathered {
+                    triangles: named,
+                    ..Gathered::default()
+                }
+            }
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::needs::{Item, Needs};
 use super::{Ledger, Scenario, ScenarioError, SurfaceChoice, Use};
+use crate::contact::published::Published;
 use crate::contact::{ForceModel, Stiffness, TouchScene};
 use crate::deform::models::fsmd;
 use crate::maps::StiffnessMap;
@@ -89,6 +90,22 @@ pub fn build(
     ledger.built(Item::Search, search.bytes());
     ledger.cost(Item::Search, us_since(started), "build");
 
+    let published = match &scenario.published {
+        None => None,
+        Some(options) => {
+            step("Building the published structure", 0.7)?;
+            let started = Instant::now();
+            let built = Published::build(&surface, options, &mut |done| {
+                step("Building the published structure", 0.7 + 0.1 * done).is_ok()
+            })
+            .map_err(|e| BuildError(e.to_string()))?
+            .ok_or_else(|| BuildError(BuildError::CANCELLED.into()))?;
+            ledger.built(Item::Published, built.bytes());
+            ledger.cost(Item::Published, us_since(started), "build");
+            Some(Arc::new(built))
+        }
+    };
+
     step("Fitting the stiffness map", 0.8)?;
     let started = Instant::now();
     let map = StiffnessMap::new(scenario.stiffness_keys.clone(), scenario.stiffness_fit)
@@ -114,6 +131,7 @@ pub fn build(
     let touch = TouchScene {
         friction: scenario.friction,
         choices: scenario.choices,
+        published,
         ..TouchScene::new(Arc::clone(&surface), search, stiffness)
     };
     let deform = scenario.deform;

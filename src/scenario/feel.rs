@@ -2,8 +2,11 @@
 
 use super::ScenarioError;
 use super::check::Check;
-use crate::contact::{Choices, ForceModel};
+use crate::contact::{Choices, ForceModel, published};
+use crate::partition::hdb::Query;
+use crate::partition::tree::Case;
 use serde::Deserialize;
+use std::ops::RangeInclusive;
 use toml::Spanned;
 
 #[derive(Deserialize)]
@@ -21,21 +24,95 @@ pub(super) struct ForceTable {
 #[serde(deny_unknown_fields)]
 pub(super) struct ContactTable {
     engine: Option<Spanned<String>>,
+    partition: Option<Spanned<String>>,
+    threshold: Option<Spanned<i64>>,
+    case: Option<Spanned<String>>,
+    hdb_part: Option<Spanned<f64>>,
+    query: Option<Spanned<String>>,
 }
+
+/// Most triangles in a leaf allowed.
+const THRESHOLD: RangeInclusive<i64> = 1..=10_000_000;
 
 impl Check<'_> {
     /// What both tables choose; absent ones leave the defaults.
     pub(super) fn choices(
         &self,
         force: Option<&ForceTable>,
-        contact: Option<&ContactTable>,
+        _contact: Option<&ContactTable>,
     ) -> Result<Choices, ScenarioError> {
-        if let Some(engine) = contact.and_then(|t| t.engine.as_ref()) {
-            self.choice("engine", engine, &[("production", ())])?;
-        }
         Ok(Choices {
             force: force.map_or(Ok(ForceModel::default()), |t| self.force(t))?,
         })
+    }
+
+    /// The published pass, where the table asks for it.
+    pub(super) fn published(
+        &self,
+        t: &ContactTable,
+    ) -> Result<Option<published::Options>, ScenarioError> {
+        let published = match &t.engine {
+            None => false,
+            Some(name) => self.choice(
+                "engine",
+                name,
+                &[("production", false), ("published", true)],
+            )?,
+        };
+        if !published {
+            for (key, span) in [
+                ("partition", t.partition.as_ref().map(Spanned::span)),
+                ("threshold", t.threshold.as_ref().map(Spanned::span)),
+                ("case", t.case.as_ref().map(Spanned::span)),
+                ("hdb_part", t.hdb_part.as_ref().map(Spanned::span)),
+                ("query", t.query.as_ref().map(Spanned::span)),
+            ] {
+                if let Some(span) = span {
+                    let what = format!("{key} belongs to engine = \"published\"");
+                    return Err(self.fail(&span, what));
+                }
+            }
+            return Ok(None);
+        }
+        let mut options = published::Options::default();
+        if let Some(name) = &t.partition {
+            let kinds = published::KINDS.map(|kind| (kind, kind));
+            options.partition = self.choice("partition", name, &kinds)?;
+        }
+        let kind = options.partition;
+        if let Some(threshold) = &t.threshold {
+            let n = *threshold.get_ref();
+            if kind == "brute" || !THRESHOLD.contains(&n) {
+                let (lo, hi) = (THRESHOLD.start(), THRESHOLD.end());
+                let what = match kind {
+                    "brute" => "threshold belongs to a structure; brute has no leaves".to_owned(),
+                    _ => format!("threshold = {n}; {lo} to {hi} is allowed"),
+                };
+                return Err(self.fail(&threshold.span(), what));
+            }
+            options.tree.threshold = n as usize;
+        }
+        if let Some(case) = &t.case {
+            if kind != "bsp" {
+                return Err(self.fail(&case.span(), "case belongs to partition = \"bsp\""));
+            }
+            let cases = [("A", Case::A), ("B", Case::B), ("C", Case::C)];
+            options.tree.case = self.choice("case", case, &cases)?;
+        }
+        options.hdb_part = self.number_or(
+            "hdb_part",
+            t.hdb_part.as_ref(),
+            0.001..=4.0,
+            options.hdb_part,
+        )?;
+        if let Some(query) = &t.query {
+            let queries = [
+                ("published", Query::Published),
+                ("complete", Query::Complete),
+            ];
+            options.query = self.choice("query", query, &queries)?;
+        }
+        Ok(Some(options))
     }
 
     fn force(&self, t: &ForceTable) -> Result<ForceModel, ScenarioError> {
@@ -92,7 +169,7 @@ impl<'a> Number<'a> {
     fn take(
         &mut self,
         check: &Check<'_>,
-        allowed: std::ops::RangeInclusive<f64>,
+        allowed: RangeInclusive<f64>,
         or: f64,
     ) -> Result<f64, ScenarioError> {
         check.number_or(self.key, self.value.take(), allowed, or)
@@ -145,6 +222,30 @@ mod tests {
                 damping_s_per_mm: 0.01,
                 exponent: 2.0
             }
+        );
+    }
+
+    #[test]
+    fn the_published_pass_is_chosen_whole() {
+        let published = |text: &str| parse(text).expect(text).published;
+        assert_eq!(published("[contact]\nengine = \"production\""), None);
+        let default = published::Options::default();
+        assert_eq!(
+            published("[contact]\nengine = \"published\""),
+            Some(default)
+        );
+        let mut options = published::Options {
+            partition: "bsp",
+            hdb_part: 0.1,
+            query: Query::Complete,
+            ..default
+        };
+        (options.tree.threshold, options.tree.case) = (64, Case::B);
+        assert_eq!(
+            published(
+                "[contact]\nengine = \"published\"\npartition = \"bsp\"\nthreshold = 64\ncase = \"B\"\nhdb_part = 0.1\nquery = \"complete\""
+            ),
+            Some(options)
         );
     }
 

@@ -2,7 +2,7 @@
 
 use super::check::Check;
 use super::feel::{ContactTable, ForceTable};
-use crate::contact::{Choices, Friction};
+use crate::contact::{Choices, Friction, published};
 use crate::deform::models::fsmd;
 use crate::geom::Vec2;
 use crate::maps::{Fit, StiffnessKey};
@@ -48,6 +48,8 @@ pub struct Scenario {
     pub friction: Option<Friction>,
     /// How the finger meets the surface, by name.
     pub choices: Choices,
+    /// Present: felt by the published haptic pass; absent: by the production engine.
+    pub published: Option<published::Options>,
     /// Footprint and caps of the drawn deformation.
     pub deform: fsmd::Settings,
     /// The file, whole, as read.
@@ -170,6 +172,7 @@ impl Scenario {
             stiffness_keys,
             stiffness_fit,
             friction,
+            published: (file.contact.as_ref()).map_or(Ok(None), |t| check.published(t))?,
             choices: check.choices(file.force.as_ref(), file.contact.as_ref())?,
             deform,
             source: text.to_owned(),

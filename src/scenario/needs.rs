@@ -31,6 +31,8 @@ pub enum Item {
     StiffnessField,
     /// Friction: anchor and slip.
     Friction,
+    /// The structure of the published haptic pass.
+    Published,
     /// A force model that takes more than stiffness times depth.
     ForceModel,
     /// Per-vertex displacement and normals of the drawn skin.
@@ -49,11 +51,12 @@ pub enum Item {
 
 impl Item {
     /// Every part, in the order of the ledger.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Surface,
         Self::Search,
         Self::StiffnessField,
         Self::Friction,
+        Self::Published,
         Self::ForceModel,
         Self::Deformation,
         Self::TangentialField,
@@ -70,6 +73,7 @@ impl Item {
             Self::Search => "Search structure",
             Self::StiffnessField => "Stiffness per vertex",
             Self::Friction => "Friction",
+            Self::Published => "Published haptic pass",
             Self::ForceModel => "Force model",
             Self::Deformation => "Deformation",
             Self::TangentialField => "Tangential field",
@@ -93,7 +97,16 @@ impl Item {
         };
         match self {
             Self::Surface => Needed("contact"),
-            Self::Search => Needed("contact"),
+            Self::Search => Needed(if scenario.published.is_some() {
+                "placing scripts and the cursor"
+            } else {
+                "contact"
+            }),
+            Self::Published => choose(
+                scenario.published.is_some(),
+                "[contact]",
+                "the production engine feels the surface",
+            ),
             Self::StiffnessField => {
                 let first = scenario
                     .stiffness_keys
@@ -203,11 +216,14 @@ impl Ledger {
     /// Every part with its verdict; nothing built yet.
     pub fn of(scenario: &Scenario, purpose: Use) -> Self {
         let row = |item: Item| {
-            let reason = match item.verdict(scenario, purpose) {
-                Verdict::Needed(why) if item == Item::ForceModel => {
+            let reason = match (item.verdict(scenario, purpose), &scenario.published) {
+                (Verdict::Needed(why), _) if item == Item::ForceModel => {
                     format!("{why} {}", scenario.choices.force)
                 }
-                Verdict::Needed(why) | Verdict::LeftOut(why) => why.to_owned(),
+                (Verdict::Needed(why), Some(options)) if item == Item::Published => {
+                    format!("{why} {options}")
+                }
+                (Verdict::Needed(why) | Verdict::LeftOut(why), _) => why.to_owned(),
             };
             LedgerRow {
                 item: item.name(),

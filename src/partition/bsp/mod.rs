@@ -101,6 +101,11 @@ impl Bsp {
     /// `region`. The outer leaves are half infinite, so they answer from far away; triangles that jut out of their leaf's
     /// space in case C are missed where only the jutting part lies in `region`.
     pub fn gather_by_half_spaces(&self, region: &Aabb, out: &mut Vec<u32>) -> Gathered {
+        tree::in_rising_order(out, |out| self.each_by_half_spaces(region, |t| out.push(t)))
+    }
+
+    /// As [`Bsp::gather_by_half_spaces`], naming the triangles in no order, as often as they are listed. Allocates nothing.
+    pub fn each_by_half_spaces(&self, region: &Aabb, name: impl FnMut(u32)) -> Gathered {
         let enters = |from: Option<(&tree::Node, usize)>, _: &tree::Node| {
             from.is_none_or(|(parent, side)| {
                 // Hessian form S = V · N + d with N along the axis: of the eight vertices only the nearest and the
@@ -114,10 +119,7 @@ impl Bsp {
                 }
             })
         };
-        self.tree.collect(out, enters, |node, list, out| {
-            out.extend_from_slice(list);
-            node.is_leaf()
-        })
+        self.tree.each_in_leaves(enters, name)
     }
 }
 

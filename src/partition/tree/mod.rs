@@ -13,6 +13,7 @@ use crate::geom::{Aabb, Vec3};
 
 use build::Store;
 pub(super) use build::{Grown, Rule, grow};
+pub use query::in_rising_order;
 pub use statistics::{Occupancy, Statistics};
 pub(super) use validate::{Ownership, within};
 

@@ -161,51 +161,81 @@ impl Tree {
 
     /// Appends every triangle whose box overlaps `region`, in rising order and once, and tells the cost.
     pub fn gather(&self, surface: &Surface, region: &Aabb, out: &mut Vec<u32>) -> Gathered {
-        self.collect(
-            out,
+        in_rising_order(out, |out| self.each_in(surface, region, |t| out.push(t)))
+    }
+
+    /// Names every triangle whose box overlaps `region`, in no order, as often as it is listed. Allocates nothing.
+    pub fn each_in(&self, surface: &Surface, region: &Aabb, mut name: impl FnMut(u32)) -> Gathered {
+        let mut named = 0;
+        let cost = self.visit(
             |_, node| node.bounds.overlaps(region),
-            |node, list, out| match &self.store {
-                // All under the node lies side by side: no need to go on down.
-                Store::One(all)
-                    if region.contains(node.bounds.min) && region.contains(node.bounds.max) =>
-                {
-                    let first = node.first as usize;
-                    out.extend_from_slice(&all[first..first + node.held as usize]);
-                    true
-                }
-                _ if node.is_leaf() => {
-                    out.extend(
-                        (list.iter().copied())
-                            .filter(|&t| surface.triangle(t).aabb().overlaps(region)),
-                    );
-                    true
-                }
-                _ => false,
+            |node| {
+                let all: &[u32] = match &self.store {
+                    // All under the node lies side by side: no need to go on down.
+                    Store::One(all)
+                        if region.contains(node.bounds.min) && region.contains(node.bounds.max) =>
+                    {
+                        let first = node.first as usize;
+                        &all[first..first + node.held as usize]
+                    }
+                    _ if !node.is_leaf() => return false,
+                    _ => {
+                        for &t in self.store.listed(node) {
+                            if surface.triangle(t).aabb().overlaps(region) {
+                                name(t);
+                                named += 1;
+                            }
+                        }
+                        return true;
+                    }
+                };
+                all.iter().for_each(|&t| name(t));
+                named += all.len();
+                true
             },
-        )
+        );
+        Gathered {
+            triangles: named,
+            ..cost
+        }
     }
 
     /// The published query of octrees: appends all triangles of every leaf whose cell overlaps `region`. Triangles that
     /// jut out of their cell are missed where only the jutting part lies in `region`.
     pub fn gather_by_cells(&self, region: &Aabb, out: &mut Vec<u32>) -> Gathered {
-        self.collect(
-            out,
-            |_, node| node.cell.overlaps(region),
-            |node, list, out| {
-                out.extend_from_slice(list);
-                node.is_leaf()
-            },
-        )
+        in_rising_order(out, |out| self.each_by_cells(region, |t| out.push(t)))
     }
 
-    /// Enters every child that `enters` lets in, given its parent; `take` says whether it took all there is.
-    pub(in crate::partition) fn collect(
+    /// As [`Tree::gather_by_cells`], naming the triangles in no order, as often as they are listed. Allocates nothing.
+    pub fn each_by_cells(&self, region: &Aabb, name: impl FnMut(u32)) -> Gathered {
+        self.each_in_leaves(|_, node| node.cell.overlaps(region), name)
+    }
+
+    /// Names what the leaves list to which `enters` leads.
+    pub(in crate::partition) fn each_in_leaves(
         &self,
-        out: &mut Vec<u32>,
         enters: impl Fn(Option<(&Node, usize)>, &Node) -> bool,
-        take: impl Fn(&Node, &[u32], &mut Vec<u32>) -> bool,
+        mut name: impl FnMut(u32),
     ) -> Gathered {
-        let before = out.len();
+        let mut named = 0;
+        let cost = self.visit(enters, |node| {
+            let list = self.held(node);
+            list.iter().for_each(|&t| name(t));
+            named += list.len();
+            node.is_leaf()
+        });
+        Gathered {
+            triangles: named,
+            ..cost
+        }
+    }
+
+    /// Enters every child that `enters` lets in, given its parent; `take` says whether it took all there is under a node.
+    pub(in crate::partition) fn visit(
+        &self,
+        enters: impl Fn(Option<(&Node, usize)>, &Node) -> bool,
+        mut take: impl FnMut(&Node) -> bool,
+    ) -> Gathered {
         let mut cost = Gathered::default();
         let mut pending = Pending::new();
         let root = self.nodes.first().filter(|n| n.held > 0 && enters(None, n));
@@ -214,7 +244,7 @@ impl Tree {
             let node = &self.nodes[at as usize];
             cost.nodes += 1;
             cost.leaves += usize::from(node.is_leaf());
-            if !take(node, self.held(node), out) {
+            if !take(node) {
                 for (i, child) in self.children(node).enumerate() {
                     let under = &self.nodes[child as usize];
                     if under.held > 0 && enters(Some((node, i)), under) {
@@ -225,18 +255,29 @@ impl Tree {
             }
             next = pending.pop();
         }
-        out[before..].sort_unstable();
-        // A triangle may be listed in several leaves.
-        let mut kept = before;
-        for i in before..out.len() {
-            if kept == before || out[i] != out[kept - 1] {
-                out[kept] = out[i];
-                kept += 1;
-            }
-        }
-        out.truncate(kept);
-        cost.triangles = kept - before;
         cost
+    }
+}
+
+/// Appends what `gather` appends, each triangle once and in rising order: several leaves may list it.
+pub fn in_rising_order(
+    out: &mut Vec<u32>,
+    gather: impl FnOnce(&mut Vec<u32>) -> Gathered,
+) -> Gathered {
+    let before = out.len();
+    let cost = gather(out);
+    out[before..].sort_unstable();
+    let mut kept = before;
+    for i in before..out.len() {
+        if kept == before || out[i] != out[kept - 1] {
+            out[kept] = out[i];
+            kept += 1;
+        }
+    }
+    out.truncate(kept);
+    Gathered {
+        triangles: kept - before,
+        ..cost
     }
 }
 

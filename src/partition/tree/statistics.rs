@@ -1,6 +1,6 @@
 //! What a tree looks like in numbers.
 
-use super::{Case, STACK, Tree};
+use super::{Case, Tree};
 use crate::partition::hdb::Gathered;
 use crate::surface::Surface;
 
@@ -104,11 +104,9 @@ impl Tree {
 
     /// Number of leaves whose bounds share a point with those of `leaf`, itself included.
     fn leaves_over(&self, leaf: &super::Node) -> usize {
-        let mut nothing = Vec::with_capacity(STACK);
-        let Gathered { leaves, .. } = self.collect(
-            &mut nothing,
+        let Gathered { leaves, .. } = self.visit(
             |_, node| node.bounds.overlaps(&leaf.bounds),
-            |node, _, _| node.is_leaf(),
+            |node| node.is_leaf(),
         );
         leaves.max(1)
     }
