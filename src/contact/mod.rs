@@ -7,6 +7,7 @@ mod crease;
 mod face;
 mod force;
 mod friction;
+mod pad;
 mod proxy;
 pub mod published;
 mod walk;
@@ -43,6 +44,8 @@ pub struct TouchScene {
 pub struct Choices {
     /// How the force grows with depth.
     pub force: ForceModel,
+    /// Radius of the finger pad, mm; 0: the finger is a point.
+    pub finger_radius_mm: f64,
 }
 
 /// Where the finger is, and how it moves.

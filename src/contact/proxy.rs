@@ -11,6 +11,7 @@
 
 use super::face::Face;
 use super::friction::Cone;
+use super::pad::Pad;
 use super::walk::{Footing, Outcome, Rest, TOUCH_LIFTS, Walk};
 use super::{Contact, ContactState, Hip, Touch, TouchScene};
 use crate::geom::{Vec3, unit_or};
@@ -39,24 +40,39 @@ pub(super) fn advance(scene: &TouchScene, state: &mut ContactState, hip: Hip) ->
         return waiting(scene, state, on_surface);
     }
     let cone = Cone::of(scene.friction.as_ref());
-    let walk = Walk {
-        surface: &scene.surface,
-        search: &scene.search,
-        hip: hip_mm,
-        cone,
-        lift: LIFT_ULPS
-            * f64::EPSILON
-            * (hip_mm.abs().max_element() + state.proxy_mm.abs().max_element()),
-    };
-    let rest = if on_surface {
-        let here = Footing {
-            triangle: state.triangle,
-            point: state.proxy_mm,
+    let lift = LIFT_ULPS
+        * f64::EPSILON
+        * (hip_mm.abs().max_element() + state.proxy_mm.abs().max_element());
+    let slipping = state.touch == Touch::Slip;
+    let rest = if scene.choices.finger_radius_mm > 0.0 {
+        let pad = Pad {
+            surface: &scene.surface,
+            search: &scene.search,
+            hip: hip_mm,
+            cone,
+            radius: scene.choices.finger_radius_mm,
+            lift,
         };
-        follow(scene, &walk, here, state.touch == Touch::Slip)
+        let touching = on_surface.then_some(state.triangle);
+        pad.follow(state.proxy_mm, touching, slipping)
     } else {
-        approach(scene, &walk, state.proxy_mm)
-            .and_then(|footing| follow(scene, &walk, footing, false))
+        let walk = Walk {
+            surface: &scene.surface,
+            search: &scene.search,
+            hip: hip_mm,
+            cone,
+            lift,
+        };
+        if on_surface {
+            let here = Footing {
+                triangle: state.triangle,
+                point: state.proxy_mm,
+            };
+            follow(scene, &walk, here, slipping)
+        } else {
+            approach(scene, &walk, state.proxy_mm)
+                .and_then(|footing| follow(scene, &walk, footing, false))
+        }
     };
     let contact = match rest {
         Some(rest) => felt(scene, &rest, cone, hip),

@@ -13,7 +13,7 @@ mod validate;
 mod tests;
 
 use super::{Hit, Nearest, Partition, Sides};
-use crate::geom::{Aabb, Vec3};
+use crate::geom::{Aabb, TrianglePoint, Vec3};
 use crate::surface::Surface;
 
 /// Most triangles in a leaf. Fewer: more nodes to hold; more: more exact tests per query.
@@ -134,6 +134,33 @@ impl Bvh {
         word >> (t % 64) & 1 == 1
     }
 
+    /// The closest point within `max_mm` of `p` among those that `accept` lets count.
+    pub fn nearest_where(
+        &self,
+        surface: &Surface,
+        p: Vec3,
+        max_mm: f64,
+        accept: impl Fn(u32, &TrianglePoint) -> bool,
+    ) -> Option<Nearest> {
+        query::nearest(self, surface, p, max_mm, accept)
+    }
+
+    /// Calls `visit` with every triangle whose box comes within `reach_mm` of `p`, and perhaps some that come near;
+    /// where `above` is given, as unit normal and height over `p` in mm, only those whose box rises over that plane.
+    pub fn in_ball_above(
+        &self,
+        p: Vec3,
+        reach_mm: f64,
+        above: Option<(Vec3, f64)>,
+        mut visit: impl FnMut(u32),
+    ) {
+        query::in_ball_above(self, p, reach_mm, above, |start, count| {
+            self.order[start..start + count]
+                .iter()
+                .for_each(|&t| visit(t));
+        });
+    }
+
     /// Calls `visit` with every triangle whose box comes within `reach_mm` of `p`, and perhaps some that come near.
     pub fn around(&self, p: Vec3, reach_mm: f64, mut visit: impl FnMut(u32)) {
         let q = self.frame.to_box(p);
@@ -153,7 +180,7 @@ impl Partition for Bvh {
     }
 
     fn nearest(&self, surface: &Surface, p: Vec3, max_mm: f64) -> Option<Nearest> {
-        query::nearest(self, surface, p, max_mm)
+        query::nearest(self, surface, p, max_mm, |_, _| true)
     }
 
     fn sweep(&self, surface: &Surface, from: Vec3, to: Vec3, sides: Sides) -> Option<Hit> {

@@ -1,7 +1,7 @@
 //! Queries. Each walks the nodes with a stack of fixed size, nearest child first, and asks the exact triangles.
 
 use super::{Bvh, Child, NO_CHILD, Node, STACK, unpack};
-use crate::geom::{Aabb, Vec3};
+use crate::geom::{Aabb, TrianglePoint, Vec3};
 use crate::partition::{Hit, Nearest, Sides};
 use crate::surface::Surface;
 
@@ -43,7 +43,13 @@ impl Pending {
     }
 }
 
-pub(super) fn nearest(bvh: &Bvh, surface: &Surface, p: Vec3, max_mm: f64) -> Option<Nearest> {
+pub(super) fn nearest(
+    bvh: &Bvh,
+    surface: &Surface,
+    p: Vec3,
+    max_mm: f64,
+    accept: impl Fn(u32, &TrianglePoint) -> bool,
+) -> Option<Nearest> {
     if !p.is_finite() || max_mm < 0.0 || max_mm.is_nan() || bvh.nodes.is_empty() {
         return None;
     }
@@ -66,7 +72,8 @@ pub(super) fn nearest(bvh: &Bvh, surface: &Surface, p: Vec3, max_mm: f64) -> Opt
                 }
                 Child::Leaf(start, count) => {
                     for &triangle in &bvh.order[start..start + count] {
-                        let point = surface.triangle(triangle).closest_point(p).point;
+                        let at = surface.triangle(triangle).closest_point(p);
+                        let point = at.point;
                         let distance_sq = point.distance_squared(p);
                         let better = match best {
                             None => distance_sq <= bound,
@@ -75,7 +82,7 @@ pub(super) fn nearest(bvh: &Bvh, surface: &Surface, p: Vec3, max_mm: f64) -> Opt
                                     || (distance_sq == bound && triangle < b.triangle)
                             }
                         };
-                        if better {
+                        if better && accept(triangle, &at) {
                             bound = distance_sq;
                             limit = in_box(bound) * (1.0 + 1e-14);
                             best = Some(Nearest {
@@ -257,6 +264,65 @@ pub(super) fn leaves_in(
         }
         next = pending.pop();
     }
+}
+
+/// Calls `leaf` with first position and length of every leaf whose box comes within `reach_mm` of `p` and rises over the
+/// plane `above`, given as unit normal and height over `p`.
+pub(super) fn in_ball_above(
+    bvh: &Bvh,
+    p: Vec3,
+    reach_mm: f64,
+    above: Option<(Vec3, f64)>,
+    mut leaf: impl FnMut(usize, usize),
+) {
+    let q = bvh.frame.to_box(p);
+    let pad = bvh.frame.pad(p);
+    let (low, high) = ((q - pad).to_array(), (q + pad).to_array());
+    let reach = reach_mm * bvh.frame.scale_per_mm * (1.0 + 1e-14) + pad;
+    let limit = reach * reach;
+    let plane = above.map(|(normal, height_mm)| {
+        let height = height_mm * bvh.frame.scale_per_mm + normal.dot(q) - 2.0 * pad;
+        (normal.to_array(), height)
+    });
+    let mut pending = Pending::new();
+    let mut next = (!bvh.nodes.is_empty()).then_some((0.0, 0));
+    while let Some((_, child)) = next {
+        match unpack(child) {
+            Child::Node(node) => {
+                let node = &bvh.nodes[node as usize];
+                let mut bounds = distances_sq(node, low, high);
+                if let Some((normal, height)) = plane {
+                    let top = highest(node, normal);
+                    for i in 0..4 {
+                        if top[i] <= height {
+                            bounds[i] = f64::INFINITY;
+                        }
+                    }
+                }
+                pending.push(bounds, node.child, limit);
+            }
+            Child::Leaf(start, count) => leaf(start, count),
+            Child::None => {}
+        }
+        next = pending.pop();
+    }
+}
+
+/// How far the four children reach along `normal`, in box units.
+#[expect(clippy::needless_range_loop, reason = "lanes of several arrays")]
+fn highest(node: &Node, normal: [f64; 3]) -> [f64; 4] {
+    let mut top = [0.0; 4];
+    for k in 0..3 {
+        let far = if normal[k] < 0.0 {
+            &node.min[k]
+        } else {
+            &node.max[k]
+        };
+        for i in 0..4 {
+            top[i] += f64::from(far[i]) * normal[k];
+        }
+    }
+    top
 }
 
 /// 0 for the children whose boxes share a point with the given one, 1 for the others.
