@@ -169,13 +169,16 @@ fn write_picture(scene: &Scene, contact: Option<&Contact>, path: &Path) -> std::
     let mut skin = Displacement::at_rest(surface);
     let mut balls = Vec::new();
     if let Some(contact) = contact.filter(|c| c.touch != Touch::Free) {
-        let press: Vec<Press> = Press::of(contact).into_iter().collect();
-        Fsmd::new(scene.deform).update(surface, &press, &mut skin);
-        let on_skin = skin.carried_point(surface, contact.triangle, contact.anchor_mm);
-        let centre_mm = on_skin + contact.normal * FINGERTIP_MM;
+        let pad_mm = scene.touch.choices.pad_mm();
+        let press = Press::of(contact, pad_mm);
+        Fsmd::new(scene.deform).update(surface, press.as_slice(), &mut skin);
+        let radius_mm = pad_mm.unwrap_or(FINGERTIP_MM);
+        let at = press.map_or(contact.anchor_mm, |p| p.anchor_mm);
+        let on_skin = skin.carried_point(surface, contact.triangle, at);
+        let centre_mm = on_skin + contact.normal * radius_mm;
         balls.push(Ball {
             centre_mm,
-            radius_mm: FINGERTIP_MM,
+            radius_mm,
             colour: figure::LEFT,
         });
     }

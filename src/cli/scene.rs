@@ -148,9 +148,10 @@ fn measure(scene: &Scene, purpose: Use, ledger: &mut Ledger) -> f64 {
     model.prepare(&scene.surface);
     let mut skin = Displacement::at_rest(&scene.surface);
     let started = Instant::now();
+    let pad_mm = scene.touch.choices.pad_mm();
     let mut n_frames = 0_u32;
     for contact in records.iter().step_by(TICKS_PER_FRAME) {
-        let press: Vec<Press> = Press::of(contact).into_iter().collect();
+        let press: Vec<Press> = Press::of(contact, pad_mm).into_iter().collect();
         model.update(&scene.surface, &press, &mut skin);
         n_frames += 1;
         if started.elapsed() > MEASURED_FOR {

@@ -44,8 +44,16 @@ pub struct TouchScene {
 pub struct Choices {
     /// How the force grows with depth.
     pub force: ForceModel,
-    /// Radius of the finger pad, mm; 0: the finger is a point.
+    /// Radius of the finger pad, mm; 0, or what is not a length: the finger is a point.
     pub finger_radius_mm: f64,
+}
+
+impl Choices {
+    /// Radius of the finger pad, mm, where the finger is not a point.
+    pub fn pad_mm(&self) -> Option<f64> {
+        let r = self.finger_radius_mm;
+        (r > 0.0 && r <= FARTHEST_MM).then_some(r)
+    }
 }
 
 /// Where the finger is, and how it moves.
@@ -174,7 +182,7 @@ pub struct ContactState {
 }
 
 /// The outcome of one tick for one finger. All finite. When free: normal, depth, stiffness and force are zero and all
-/// points are at the HIP.
+/// points are at the HIP. Of a finger pad, points and depth are those of its centre; the skin is a radius below.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contact {
     /// How the proxy meets the surface.

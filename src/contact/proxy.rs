@@ -44,13 +44,13 @@ pub(super) fn advance(scene: &TouchScene, state: &mut ContactState, hip: Hip) ->
         * f64::EPSILON
         * (hip_mm.abs().max_element() + state.proxy_mm.abs().max_element());
     let slipping = state.touch == Touch::Slip;
-    let rest = if scene.choices.finger_radius_mm > 0.0 {
+    let rest = if let Some(radius) = scene.choices.pad_mm() {
         let pad = Pad {
             surface: &scene.surface,
             search: &scene.search,
             hip: hip_mm,
             cone,
-            radius: scene.choices.finger_radius_mm,
+            radius,
             lift,
         };
         let touching = on_surface.then_some(state.triangle);

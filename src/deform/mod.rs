@@ -34,11 +34,13 @@ pub struct Press {
 }
 
 impl Press {
-    /// The press of one finger, or `None` when it does not touch.
-    pub fn of(contact: &Contact) -> Option<Self> {
+    /// The press of one finger, a pad where `pad_mm` is its radius, or `None` when it does not touch. Under a pad the
+    /// skin lands at its underside.
+    pub fn of(contact: &Contact, pad_mm: Option<f64>) -> Option<Self> {
+        let down = contact.normal * -pad_mm.unwrap_or(0.0);
         (contact.touch != Touch::Free && contact.depth_mm > 0.0).then_some(Self {
-            anchor_mm: contact.anchor_mm,
-            foot_mm: contact.foot_mm,
+            anchor_mm: contact.anchor_mm + down,
+            foot_mm: contact.foot_mm + down,
             normal: contact.normal,
             depth_mm: contact.depth_mm,
             triangle: contact.triangle,

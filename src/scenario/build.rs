@@ -123,6 +123,9 @@ pub fn build(
         ledger.built(Item::Friction, size_of::<crate::contact::Friction>());
     }
 
+    if needs.has(Item::FingerPad) {
+        ledger.built(Item::FingerPad, size_of::<f64>());
+    }
     if needs.has(Item::ForceModel) {
         ledger.built(Item::ForceModel, size_of::<ForceModel>());
     }

@@ -29,6 +29,7 @@ pub(super) struct ContactTable {
     case: Option<Spanned<String>>,
     hdb_part: Option<Spanned<f64>>,
     query: Option<Spanned<String>>,
+    finger_radius_mm: Option<Spanned<f64>>,
 }
 
 /// Most triangles in a leaf allowed.
@@ -39,9 +40,11 @@ impl Check<'_> {
     pub(super) fn choices(
         &self,
         force: Option<&ForceTable>,
-        _contact: Option<&ContactTable>,
+        contact: Option<&ContactTable>,
     ) -> Result<Choices, ScenarioError> {
+        let radius = contact.and_then(|t| t.finger_radius_mm.as_ref());
         Ok(Choices {
+            finger_radius_mm: self.number_or("finger_radius_mm", radius, 0.0..=50.0, 0.0)?,
             force: force.map_or(Ok(ForceModel::default()), |t| self.force(t))?,
         })
     }
@@ -250,6 +253,14 @@ mod tests {
     }
 
     #[test]
+    fn the_finger_is_a_point_unless_it_has_a_radius() {
+        let choices = |text: &str| parse(text).expect(text).choices;
+        assert_eq!(choices("").pad_mm(), None);
+        let pad = choices("[contact]\nfinger_radius_mm = 5.5");
+        assert_eq!(pad.pad_mm(), Some(5.5));
+    }
+
+    #[test]
     fn each_fault_is_told_with_line_key_value_and_what_is_allowed() {
         for (tables, told) in [
             (
@@ -280,6 +291,10 @@ mod tests {
             (
                 "[contact]\nengine = \"magic\"",
                 "line 6: engine = \"magic\"; allowed",
+            ),
+            (
+                "[contact]\nfinger_radius_mm = -1",
+                "line 6: finger_radius_mm = -1; 0 to 50 is allowed",
             ),
             (
                 "[contact]\nengines = \"production\"",

@@ -35,6 +35,8 @@ pub enum Item {
     Published,
     /// A force model that takes more than stiffness times depth.
     ForceModel,
+    /// A ball for a finger instead of a point.
+    FingerPad,
     /// Per-vertex displacement and normals of the drawn skin.
     Deformation,
     /// Its tangential half.
@@ -58,6 +60,7 @@ impl Item {
         Self::Friction,
         Self::Published,
         Self::ForceModel,
+        Self::FingerPad,
         Self::Deformation,
         Self::TangentialField,
         Self::GraphicsMesh,
@@ -75,6 +78,7 @@ impl Item {
             Self::Friction => "Friction",
             Self::Published => "Published haptic pass",
             Self::ForceModel => "Force model",
+            Self::FingerPad => "Finger pad",
             Self::Deformation => "Deformation",
             Self::TangentialField => "Tangential field",
             Self::GraphicsMesh => "Graphics mesh",
@@ -127,6 +131,11 @@ impl Item {
                 scenario.choices.force != ForceModel::Linear,
                 "[force]",
                 "linear: stiffness times depth",
+            ),
+            Self::FingerPad => choose(
+                scenario.choices.pad_mm().is_some(),
+                "[contact] finger_radius_mm",
+                "the finger is a point",
             ),
             Self::Deformation => {
                 let by = if purpose.drawn {

@@ -98,14 +98,14 @@ impl Pad<'_> {
             let distance = ground.goal.length();
             let mut step = held.goal;
             if touch.n_active == 0 {
-                step = planes.fall(to_hip, self.lift);
+                step = planes.allowed(to_hip, self.lift);
             } else {
                 if distance <= cone_radius * depth * ON_CONE {
                     return Some(rest(centre, slipped));
                 }
                 if !frictionless {
                     let way = distance - self.cone.moving * depth;
-                    step = step.clamp_length_max(way);
+                    step = planes.allowed(touch.goal * (way / distance), self.lift);
                 }
                 slipped = true;
                 cone_radius = self.cone.moving;
@@ -204,7 +204,7 @@ impl Pad<'_> {
         let own = support.map(|p| p.triangle);
         self.search
             .in_ball_above(centre, self.radius + span, above, |t| {
-                if Some(t) == own || self.is_under(t, centre, planes.as_slice()) {
+                if Some(t) == own || self.is_under(t, centre, planes.as_slice(), own) {
                     return;
                 }
                 let near = Near::of(self.surface, t, centre);
@@ -218,20 +218,19 @@ impl Pad<'_> {
         planes.drop_if(|plane, all| {
             !plane.is_face
                 && Some(plane.triangle) != own
-                && all.iter().any(|other| {
-                    other.triangle != plane.triangle
-                        && other.is_face
-                        && self.is_under(plane.triangle, centre, std::slice::from_ref(other))
-                })
+                && self.is_under(plane.triangle, centre, all, own)
         });
         planes
     }
 
-    /// Whether one of `planes` keeps the centre clear of triangle `t` too.
-    fn is_under(&self, t: u32, centre: Vec3, planes: &[Plane]) -> bool {
+    /// Whether one of those `planes` that stay, `own` and those of other faces, keeps the centre clear of triangle `t` too.
+    fn is_under(&self, t: u32, centre: Vec3, planes: &[Plane], own: Option<u32>) -> bool {
         let Triangle { a, b, c } = self.surface.triangle(t);
         let (a, b, c) = (a - centre, b - centre, c - centre);
         planes.iter().any(|p| {
+            if p.triangle == t || !(p.is_face || Some(p.triangle) == own) {
+                return false;
+            }
             let top = p.normal.dot(a).max(p.normal.dot(b)).max(p.normal.dot(c));
             top <= self.lift - p.gap - self.radius
         })

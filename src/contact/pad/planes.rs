@@ -55,7 +55,8 @@ impl Planes {
         &self.all[..self.len]
     }
 
-    /// Adds a half-space; where all places are taken, the farthest is left out and the span shrinks to it.
+    /// Adds a half-space; where all places are taken, the farthest is left out and the span shrinks to it: what lies under
+    /// it is no nearer than it is.
     pub(super) fn push(&mut self, plane: Plane) {
         if self.len < MOST_PLANES {
             self.all[self.len] = plane;
@@ -64,15 +65,15 @@ impl Planes {
         }
         let mut farthest = 0;
         for i in 1..self.len {
-            if self.all[i].slack > self.all[farthest].slack {
+            if self.all[i].gap > self.all[farthest].gap {
                 farthest = i;
             }
         }
         let mut out = plane;
-        if plane.slack < self.all[farthest].slack {
+        if plane.gap < self.all[farthest].gap {
             out = std::mem::replace(&mut self.all[farthest], plane);
         }
-        self.span = self.span.min(out.slack.max(0.0));
+        self.span = self.span.min(out.gap.max(0.0));
     }
 
     /// Drops the half-spaces for which `is_needless` holds.
@@ -88,17 +89,17 @@ impl Planes {
         }
     }
 
-    /// The straight way towards `hip` until the first half-space ends; nothing from a centre that is on one already.
-    pub(super) fn fall(&self, hip: Vec3, rounding: f64) -> Vec3 {
+    /// As much of `way` as all half-spaces allow.
+    pub(super) fn allowed(&self, way: Vec3, rounding: f64) -> Vec3 {
         let mut part: f64 = 1.0;
         for p in self.as_slice() {
-            let closing = -p.normal.dot(hip);
-            if closing > 0.0 {
-                let room = if p.gap > rounding { p.gap } else { 0.0 };
+            let closing = -p.normal.dot(way);
+            let room = p.gap.max(0.0);
+            if closing > room + rounding {
                 part = part.min(room / closing);
             }
         }
-        hip * part
+        way * part
     }
 
     /// The point of all half-spaces of triangles `within` this of touching that is nearest to `hip`, seen from the centre like it: the projection onto a convex
@@ -128,7 +129,7 @@ impl Planes {
             }
         }
         Held {
-            goal: self.fall(held.goal, rounding),
+            goal: self.allowed(held.goal, rounding),
             ..held
         }
     }

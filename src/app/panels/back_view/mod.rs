@@ -285,7 +285,7 @@ impl BackView {
                 .iter()
                 .map(|f| Sphere {
                     centre_mm: f.centre_mm,
-                    radius_mm: model::FINGER_RADIUS_MM,
+                    radius_mm: f.radius_mm,
                     color: color(f),
                 })
                 .collect(),

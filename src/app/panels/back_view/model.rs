@@ -9,8 +9,8 @@ use crate::scenario::{Scene, SurfaceChoice};
 use crate::servo::{FingerRecord, LimitFlags};
 use crate::surface::back::{self, BackOptions, Kind};
 
-/// Radius of a finger's sphere, mm: a fingertip.
-pub const FINGER_RADIUS_MM: f64 = 7.5;
+/// Radius of the sphere that a point finger is drawn as, mm: a fingertip.
+const FINGER_RADIUS_MM: f64 = 7.5;
 /// Length of a force arrow, mm per N.
 pub const ARROW_MM_PER_N: f64 = 8.0;
 /// A finger farther than this from the skin is not shown, mm: it has been put away.
@@ -23,6 +23,8 @@ pub struct Finger {
     pub index: usize,
     /// Centre of its sphere, resting on the deformed skin, mm.
     pub centre_mm: Vec3,
+    /// Radius of its sphere, mm.
+    pub radius_mm: f64,
     /// Outward direction at its place.
     pub normal: Vec3,
     /// Where the device is while it touches, mm.
@@ -40,7 +42,7 @@ pub struct Finger {
 impl Finger {
     /// Where its force arrow starts, mm: outside the sphere.
     pub fn arrow_from_mm(&self) -> Vec3 {
-        self.centre_mm + unit_or(self.force_n, self.normal) * (FINGER_RADIUS_MM * 0.98)
+        self.centre_mm + unit_or(self.force_n, self.normal) * (self.radius_mm * 0.98)
     }
 
     /// From tail to tip of its force arrow, mm.
@@ -61,11 +63,15 @@ fn finger(scene: &Scene, skin: &Displacement, record: &FingerRecord) -> Option<F
     let index = usize::from(record.finger);
     let contact = &record.contact;
     let hip = record.reading.position_mm;
+    let pad_mm = scene.touch.choices.pad_mm();
+    let radius_mm = pad_mm.unwrap_or(FINGER_RADIUS_MM);
     if contact.touch != Touch::Free {
-        let tip = skin.carried_point(&scene.surface, contact.triangle, contact.anchor_mm);
+        let on_skin = contact.anchor_mm - contact.normal * pad_mm.unwrap_or(0.0);
+        let tip = skin.carried_point(&scene.surface, contact.triangle, on_skin);
         return Some(Finger {
             index,
-            centre_mm: tip + contact.normal * FINGER_RADIUS_MM,
+            centre_mm: tip + contact.normal * radius_mm,
+            radius_mm,
             normal: contact.normal,
             hip_mm: Some(hip),
             force_n: record.sent_force_n,
@@ -80,11 +86,12 @@ fn finger(scene: &Scene, skin: &Displacement, record: &FingerRecord) -> Option<F
     let normal = scene.surface.triangle(near.triangle).normal();
     let outward = unit_or(hip - near.point, normal);
     // Just above the skin the direction to the closest point is noise: the normal takes over.
-    let trust = ((hip - near.point).length() / FINGER_RADIUS_MM).clamp(0.0, 1.0);
+    let trust = ((hip - near.point).length() / radius_mm).clamp(0.0, 1.0);
     let normal = unit_or(normal * (1.0 - trust) + outward * trust, normal);
     Some(Finger {
         index,
-        centre_mm: hip + normal * FINGER_RADIUS_MM,
+        centre_mm: hip + normal * if pad_mm.is_some() { 0.0 } else { radius_mm },
+        radius_mm,
         normal,
         hip_mm: None,
         force_n: Vec3::ZERO,
@@ -160,7 +167,7 @@ pub fn is_seen(scene: &Scene, camera: &Camera, point_mm: Vec3) -> bool {
 pub fn presses(records: &[FingerRecord], scene: &Scene) -> Vec<Press> {
     records
         .iter()
-        .filter_map(|r| Press::of(&r.contact))
+        .filter_map(|r| Press::of(&r.contact, scene.touch.choices.pad_mm()))
         .filter(|p| (p.triangle as usize) < scene.surface.triangles().len())
         .collect()
 }
