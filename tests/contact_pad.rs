@@ -5,7 +5,7 @@
 use dorsum::contact::{
     Choices, Contact, ContactState, Friction, Stiffness, Touch, TouchScene, advance,
 };
-use dorsum::geom::{Triangle, Vec3};
+use dorsum::geom::{Triangle, Vec3, unit_or};
 use dorsum::partition::bvh::Bvh;
 use dorsum::surface::primitives::{
     bench_height, bench_patch, bench_path, cuboid, height_field, icosphere,
@@ -124,7 +124,7 @@ fn touching(surface: &Surface, c: Vec3, radius: f64, within: f64) -> Vec<Vec3> {
     for t in 0..surface.triangles().len() as u32 {
         let Triangle { a, b, c: d } = surface.triangle(t);
         let p = Triangle { a, b, c: d }.closest_point(c).point;
-        let n = (c - p).normalize();
+        let n = unit_or(c - p, Vec3::ZERO);
         if p.distance(c) <= radius + within && normals.iter().all(|m| m.distance(n) > 1e-9) {
             normals.push(n);
         }
@@ -174,7 +174,7 @@ fn over_an_edge_and_a_corner_it_rolls_on_a_cylinder_and_a_ball() {
         (Vec3::new(22.0, 3.0, 23.0), Vec3::new(20.0, 3.0, 20.0)),
         (Vec3::new(21.0, 22.0, 22.5), Vec3::splat(20.0)),
     ] {
-        let out = (hip - foot).normalize();
+        let out = unit_or(hip - foot, Vec3::ZERO);
         let c = press(&s, foot + out * 9.0 + Vec3::X * 2.0, hip, 200);
         let expected = foot + out * R;
         assert!(
@@ -228,7 +228,10 @@ fn a_ball_on_a_ball_stays_at_the_sum_of_the_radii() {
     let mut state = at(Vec3::Z * 60.0);
     for i in 0..400 {
         let a = 0.004 * f64::from(i);
-        let out = Vec3::new(libm::sin(a), libm::sin(a) * libm::cos(a), libm::cos(a)).normalize();
+        let out = unit_or(
+            Vec3::new(libm::sin(a), libm::sin(a) * libm::cos(a), libm::cos(a)),
+            Vec3::ZERO,
+        );
         let c = advance(&s, &mut state, out * 48.0);
         // The facets lie inside the sphere by at most the sagitta of an edge, about 0.1 mm.
         let from_centre = c.anchor_mm.length();
@@ -248,7 +251,7 @@ fn it_slides_off_a_rim_and_is_free_below() {
         let expected = if hip.x <= 20.0 {
             Vec3::new(hip.x, 0.0, R)
         } else if hip.x < 24.0 {
-            Vec3::X * 20.0 + (hip - Vec3::X * 20.0).normalize() * R
+            Vec3::X * 20.0 + unit_or(hip - Vec3::X * 20.0, Vec3::ZERO) * R
         } else {
             hip
         };

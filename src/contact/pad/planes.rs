@@ -208,8 +208,8 @@ impl Planes {
             }
         };
         let mut goal = hip;
-        for i in 0..subset.len() {
-            goal += plane(i).normal * shares[i];
+        for (&i, share) in subset.iter().zip(shares) {
+            goal += self.all[i].normal * share;
         }
         goal.is_finite().then_some((goal, shares))
     }

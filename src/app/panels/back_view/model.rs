@@ -10,7 +10,7 @@ use crate::servo::{FingerRecord, LimitFlags};
 use crate::surface::back::{self, BackOptions, Kind};
 
 /// Radius of the sphere that a point finger is drawn as, mm: a fingertip.
-const FINGER_RADIUS_MM: f64 = 7.5;
+pub const FINGER_RADIUS_MM: f64 = 7.5;
 /// Length of a force arrow, mm per N.
 pub const ARROW_MM_PER_N: f64 = 8.0;
 /// A finger farther than this from the skin is not shown, mm: it has been put away.

@@ -293,12 +293,15 @@ impl TreePicture {
 fn spheres(view: &View, scene: &Scene) -> Vec<Sphere> {
     const NEAR_MM: f64 = 120.0;
     let near = scene.surface.bounds().grown(NEAR_MM);
-    let radius_mm = model::FINGER_RADIUS_MM;
+    let pad_mm = scene.touch.choices.pad_mm();
+    let radius_mm = pad_mm.unwrap_or(model::FINGER_RADIUS_MM);
+    // A pad's points are those of its centre.
+    let above_mm = if pad_mm.is_some() { 0.0 } else { radius_mm };
     let sphere = |record: &crate::servo::FingerRecord| {
         let contact = &record.contact;
         let centre_mm = match contact.touch {
-            Touch::Free => record.reading.position_mm + Vec3::Z * radius_mm,
-            _ => contact.anchor_mm + contact.normal * radius_mm,
+            Touch::Free => record.reading.position_mm + Vec3::Z * above_mm,
+            _ => contact.anchor_mm + contact.normal * above_mm,
         };
         (centre_mm.is_finite() && near.contains(centre_mm)).then(|| Sphere {
             centre_mm,
