@@ -2,8 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use dorsum::contact::published::{self, Published};
 use dorsum::contact::{
-    ContactState, ForceModel, Friction, Hip, Stiffness, Touch, TouchScene, advance,
+    ContactState, ForceModel, Friction, Hip, Stiffness, Touch, TouchScene, advance, anchor_from,
 };
 use dorsum::geom::Vec3;
 use dorsum::partition::bvh::Bvh;
@@ -220,6 +221,74 @@ fn slip_starts_at_the_same_place_under_every_model() {
             let slid = advance(&scene, &mut state, hip(1.0 + 1e-9));
             assert_eq!(slid.touch, Touch::Slip, "{model}");
             close(-slid.force_n.x, 0.44 * slid.force_n.z, 1e-8);
+        }
+    }
+}
+
+/// A device that reports P, D and F only: its anchor is the engine's, under every force model, f_adj and engine, also
+/// when its motors give less than was asked for.
+#[test]
+fn the_anchor_from_position_and_force_is_the_engines_own() {
+    for &model in ForceModel::all() {
+        for skin_looseness in [0.7, 1.0, 1.3] {
+            let friction = Friction {
+                static_coefficient: 0.46,
+                dynamic_coefficient: 0.44,
+                skin_looseness,
+            };
+            let production = plate(model, Some(friction));
+            let pass = Published::build(
+                &production.surface,
+                &published::Options::default(),
+                &mut |_| true,
+            );
+            let published = TouchScene {
+                published: Some(Arc::new(pass.unwrap().unwrap())),
+                ..production.clone()
+            };
+            for (scene, which) in [(production, "production"), (published, "published")] {
+                let mut state = free_above();
+                let mut seen = [0; 4];
+                for i in 0..400 {
+                    let t = f64::from(i) * 0.01;
+                    let position_mm = Vec3::new(
+                        0.3 + 3.0 * libm::sin(5.0 * t),
+                        0.2 + 2.0 * libm::sin(1.9 * t),
+                        -4.0 * libm::sin(2.0 * t),
+                    );
+                    let velocity_mm_s = Vec3::new(20.0, 5.0, -30.0 * libm::cos(2.0 * t));
+                    let hip = Hip {
+                        position_mm,
+                        velocity_mm_s,
+                    };
+                    let c = advance(&scene, &mut state, hip);
+                    if c.force_n.dot(c.normal) < 1e-3 {
+                        continue;
+                    }
+                    seen[c.touch as usize] += 1;
+                    let anchor = |share: f64| {
+                        anchor_from(
+                            c.foot_mm,
+                            position_mm,
+                            c.force_n * share,
+                            c.normal,
+                            skin_looseness,
+                        )
+                        .unwrap()
+                    };
+                    for share in [1.0, 0.3] {
+                        let off = anchor(share).distance(c.anchor_mm);
+                        assert!(
+                            off < 1e-9,
+                            "{which}, {model}, f_adj {skin_looseness}: off by {off} mm"
+                        );
+                    }
+                }
+                assert!(
+                    seen[Touch::Stick as usize] > 10 && seen[Touch::Slip as usize] > 50,
+                    "{seen:?}"
+                );
+            }
         }
     }
 }

@@ -158,7 +158,7 @@ proptest! {
             let before = state;
             let c = advance(&s, &mut state, hip);
             if c.touch == Touch::Free {
-                prop_assert_eq!(anchor_from(c.foot_mm, hip, c.force_n, c.normal), None);
+                prop_assert_eq!(anchor_from(c.foot_mm, hip, c.force_n, c.normal, 1.0), None);
                 hip = bench_path(0.0, 3.0);
                 state = free_at(hip);
                 continue;
@@ -172,7 +172,7 @@ proptest! {
             prop_assert!((c.anchor_mm - c.foot_mm).dot(c.normal).abs() < 1e-9);
             prop_assert!((c.force_n - (c.anchor_mm - hip) * K).length() < 1e-9);
             if c.depth_mm > 1e-6 {
-                let a = anchor_from(c.foot_mm, hip, c.force_n, c.normal).unwrap();
+                let a = anchor_from(c.foot_mm, hip, c.force_n, c.normal, 1.0).unwrap();
                 prop_assert!(a.distance(c.anchor_mm) < 1e-8, "{a} for {}", c.anchor_mm);
             }
             // Slip takes energy out of the spring between HIP and anchor, at the place of the HIP.
@@ -222,8 +222,15 @@ proptest! {
 #[test]
 fn the_anchor_of_a_device_follows_from_position_and_force() {
     let (foot, hip) = (Vec3::new(1.0, 2.0, 3.0), Vec3::new(1.0, 2.0, -1.0));
-    let a = anchor_from(foot, hip, Vec3::new(0.3, 0.0, 1.0), Vec3::Z);
+    let a = anchor_from(foot, hip, Vec3::new(0.3, 0.0, 1.0), Vec3::Z, 1.0);
     assert!(a.unwrap().distance(foot + Vec3::X * 1.2) < 1e-12);
+    // A looser skin gives way further under the same force.
+    let loose = anchor_from(foot, hip, Vec3::new(0.3, 0.0, 1.0), Vec3::Z, 1.3);
+    assert!(loose.unwrap().distance(foot + Vec3::X * 1.56) < 1e-12);
+    for none in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let as_one = anchor_from(foot, hip, Vec3::new(0.3, 0.0, 1.0), Vec3::Z, none);
+        assert_eq!(as_one, a);
+    }
     // No contact, a pull, nonsense: no anchor, and never NaN.
     for force in [
         Vec3::ZERO,
@@ -232,13 +239,19 @@ fn the_anchor_of_a_device_follows_from_position_and_force() {
         Vec3::NAN,
         Vec3::new(1e300, 0.0, 1e-300),
     ] {
-        assert_eq!(anchor_from(foot, hip, force, Vec3::Z), None, "{force}");
+        assert_eq!(anchor_from(foot, hip, force, Vec3::Z, 1.0), None, "{force}");
     }
     assert_eq!(
-        anchor_from(hip, foot, Vec3::Z, Vec3::Z),
+        anchor_from(hip, foot, Vec3::Z, Vec3::Z, 1.0),
         None,
         "the device is outside"
     );
-    let small = anchor_from(foot, foot - Vec3::Z * 1e-200, Vec3::Z * 1e-200, Vec3::Z);
+    let small = anchor_from(
+        foot,
+        foot - Vec3::Z * 1e-200,
+        Vec3::Z * 1e-200,
+        Vec3::Z,
+        1.0,
+    );
     assert!(small.unwrap().distance(foot) < 1e-12);
 }

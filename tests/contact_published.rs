@@ -412,7 +412,7 @@ fn on_a_plane_the_anchor_is_the_production_engines() {
         assert!(a.anchor_mm.distance(b.anchor_mm) < 1e-9 && a.force_n.distance(b.force_n) < 1e-9);
         seen[b.touch as usize] += 1;
         if b.depth_mm > 1e-6 {
-            let anchor = anchor_from(b.foot_mm, hip, b.force_n, b.normal).unwrap();
+            let anchor = anchor_from(b.foot_mm, hip, b.force_n, b.normal, 1.0).unwrap();
             assert!(anchor.distance(b.anchor_mm) < 1e-8);
         }
     }
