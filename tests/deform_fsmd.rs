@@ -3,7 +3,7 @@
 use dorsum::deform::curve::Curve;
 use dorsum::deform::models::fsmd::{Fsmd, Settings};
 use dorsum::deform::{Displacement, Model, Press, all};
-use dorsum::geom::{Triangle, Vec3, unit_or};
+use dorsum::geom::{Triangle, Vec2, Vec3, unit_or};
 use dorsum::surface::{RawMesh, Surface};
 use proptest::prelude::*;
 
@@ -57,6 +57,40 @@ fn press_on(
     }
 }
 
+/// The vertex nearest to a place.
+fn vertex_at(surface: &Surface, place: Vec3) -> u32 {
+    let to = |v: &u32| surface.positions()[*v as usize].distance_squared(place);
+    (0..surface.positions().len() as u32)
+        .min_by(|a, b| to(a).total_cmp(&to(b)))
+        .expect("a vertex")
+}
+
+/// The vertex nearest to a place of the map plane, at whatever height.
+fn vertex_over(surface: &Surface, x: f64, y: f64) -> u32 {
+    let to = |v: &u32| (surface.positions()[*v as usize].truncate() - Vec2::new(x, y)).length();
+    (0..surface.positions().len() as u32)
+        .min_by(|a, b| to(a).total_cmp(&to(b)))
+        .expect("a vertex")
+}
+
+/// The same surface somewhere else: every vertex there, by its number here, and every triangle.
+fn moved_surface(here: &Surface, to: impl Fn(Vec3) -> Vec3) -> (Surface, Vec<u32>, Vec<u32>) {
+    let positions: Vec<Vec3> = here.positions().iter().map(|&p| to(p)).collect();
+    let there = Surface::new(RawMesh {
+        positions: positions.clone(),
+        triangles: here.triangles().to_vec(),
+    });
+    let there = there.expect("a sound mesh").0;
+    let vertices: Vec<u32> = positions.iter().map(|&p| vertex_at(&there, p)).collect();
+    let triangle = |corners: &[u32; 3]| {
+        let corners = corners.map(|v| vertices[v as usize]);
+        let found = there.triangles().iter().position(|c| *c == corners);
+        found.expect("the same triangle") as u32
+    };
+    let triangles = here.triangles().iter().map(triangle).collect();
+    (there, vertices, triangles)
+}
+
 fn press_at_vertex(surface: &Surface, vertex: u32, depth_mm: f64, pull_mm: [f64; 2]) -> Press {
     let triangle = surface.topology().triangles_of(vertex)[0];
     let corners = surface.triangles()[triangle as usize];
@@ -96,7 +130,16 @@ fn same_bits(a: &Displacement, b: &Displacement) -> bool {
 #[test]
 fn a_vertex_at_the_anchor_lands_on_the_hip_below_the_caps() {
     let skin = hill(30, 5.0);
-    for vertex in [0, 15, 480, 485, 700, 960] {
+    let places = [
+        [-75.0, -75.0],
+        [0.0, -75.0],
+        [0.0, 0.0],
+        [25.0, 0.0],
+        [-5.0, 35.0],
+        [75.0, 75.0],
+    ];
+    for [x, y] in places {
+        let vertex = vertex_over(&skin, x, y);
         for (depth, pull) in [(0.5, [0.0, 0.0]), (4.0, [3.0, -2.0]), (9.9, [12.0, 15.0])] {
             let press = press_at_vertex(&skin, vertex, depth, pull);
             let out = deformed(&skin, small(), &[press]);
@@ -111,9 +154,10 @@ fn a_vertex_at_the_anchor_lands_on_the_hip_below_the_caps() {
 #[test]
 fn beyond_the_caps_the_drawn_dent_stays_at_10_and_20_mm() {
     let skin = sheet(30, 5.0, |_, _| 0.0);
-    let press = press_at_vertex(&skin, 480, 25.0, [40.0, 0.0]);
+    let middle = vertex_over(&skin, 0.0, 0.0);
+    let press = press_at_vertex(&skin, middle, 25.0, [40.0, 0.0]);
     let out = deformed(&skin, small(), &[press]);
-    let offset = out.offsets_mm[480];
+    let offset = out.offsets_mm[middle as usize];
     assert!((offset.z + 10.0).abs() < 1e-12);
     assert!((offset.truncate().length() - 20.0).abs() < 1e-12);
 }
@@ -125,7 +169,7 @@ fn every_vertex_moves_by_the_formula() {
         angle_rad: 0.7,
         ..small()
     };
-    let press = press_at_vertex(&skin, 840, 6.0, [5.0, 2.0]);
+    let press = press_at_vertex(&skin, vertex_over(&skin, 0.0, 0.0), 6.0, [5.0, 2.0]);
     let out = deformed(&skin, settings, &[press]);
     let curve = Curve::gaussian();
     // The sheet nowhere folds back, so that all of it inside an outline hangs together.
@@ -147,7 +191,7 @@ fn every_vertex_moves_by_the_formula() {
 #[test]
 fn outside_the_footprint_nothing_moves_and_no_normal_turns_bit_for_bit() {
     let skin = hill(40, 4.0);
-    let press = press_at_vertex(&skin, 840, 9.0, [5.0, 5.0]);
+    let press = press_at_vertex(&skin, vertex_over(&skin, 0.0, 0.0), 9.0, [5.0, 5.0]);
     let out = deformed(&skin, small(), &[press]);
     let mut at_rest = 0;
     for v in 0..skin.positions().len() {
@@ -170,7 +214,7 @@ fn outside_the_footprint_nothing_moves_and_no_normal_turns_bit_for_bit() {
 #[test]
 fn without_friction_the_wide_field_is_neither_computed_nor_seen() {
     let skin = sheet(40, 4.0, |_, _| 0.0);
-    let press = press_at_vertex(&skin, 840, 5.0, [8.0, 0.0]);
+    let press = press_at_vertex(&skin, vertex_over(&skin, 0.0, 0.0), 5.0, [8.0, 0.0]);
     let settings = Settings {
         tangential: false,
         ..small()
@@ -187,8 +231,8 @@ fn without_friction_the_wide_field_is_neither_computed_nor_seen() {
 #[test]
 fn two_fingers_add_as_vectors_and_then_meet_the_caps() {
     let skin = sheet(40, 4.0, |_, _| 0.0);
-    let one = press_at_vertex(&skin, 840, 4.0, [3.0, 1.0]);
-    let two = press_at_vertex(&skin, 842, 3.0, [-1.0, 5.0]);
+    let one = press_at_vertex(&skin, vertex_over(&skin, 0.0, 0.0), 4.0, [3.0, 1.0]);
+    let two = press_at_vertex(&skin, vertex_over(&skin, 8.0, 0.0), 3.0, [-1.0, 5.0]);
     let a = deformed(&skin, small(), &[one]);
     let b = deformed(&skin, small(), &[two]);
     let both = deformed(&skin, small(), &[one, two]);
@@ -197,14 +241,15 @@ fn two_fingers_add_as_vectors_and_then_meet_the_caps() {
         assert!((both.offsets_mm[v] - sum).length() < 1e-12);
     }
 
-    let deep = press_at_vertex(&skin, 840, 9.0, [15.0, 0.0]);
-    let beside = press_at_vertex(&skin, 841, 9.0, [15.0, 0.0]);
+    let deep = press_at_vertex(&skin, vertex_over(&skin, 0.0, 0.0), 9.0, [15.0, 0.0]);
+    let beside = press_at_vertex(&skin, vertex_over(&skin, 4.0, 0.0), 9.0, [15.0, 0.0]);
     let both = deformed(&skin, small(), &[deep, beside]);
     for offset in &both.offsets_mm {
         assert!(offset.z.abs() <= 10.0 + 1e-12);
         assert!(offset.truncate().length() <= 20.0 + 1e-12);
     }
-    let offset = both.offsets_mm[840];
+    let middle = vertex_over(&skin, 0.0, 0.0);
+    let offset = both.offsets_mm[middle as usize];
     assert!((offset.z + 10.0).abs() < 1e-12 && (offset.truncate().length() - 20.0).abs() < 1e-12);
 }
 
@@ -213,7 +258,7 @@ fn lifting_the_finger_gives_the_surface_back_bit_for_bit() {
     let skin = hill(30, 5.0);
     let mut model = Fsmd::new(small());
     let mut out = Displacement::at_rest(&skin);
-    let press = press_at_vertex(&skin, 480, 7.0, [6.0, 3.0]);
+    let press = press_at_vertex(&skin, vertex_over(&skin, 0.0, 0.0), 7.0, [6.0, 3.0]);
     model.update(&skin, &[press], &mut out);
     let mut were_drawn = out.touched.clone();
     model.update(&skin, &[], &mut out);
@@ -229,8 +274,8 @@ fn lifting_the_finger_gives_the_surface_back_bit_for_bit() {
 #[test]
 fn moving_the_whole_scene_moves_the_result_with_it() {
     let skin = hill(30, 5.0);
-    let press = press_at_vertex(&skin, 480, 7.0, [6.0, 3.0]);
-    let beside = press_at_vertex(&skin, 500, 3.0, [-2.0, 3.0]);
+    let press = press_at_vertex(&skin, vertex_over(&skin, 0.0, 0.0), 7.0, [6.0, 3.0]);
+    let beside = press_at_vertex(&skin, vertex_over(&skin, -55.0, 5.0), 3.0, [-2.0, 3.0]);
     let settings = Settings {
         angle_rad: 0.3,
         ..small()
@@ -245,20 +290,12 @@ fn moving_the_whole_scene_moves_the_result_with_it() {
             let (s, c) = turn.sin_cos();
             Vec3::new(c * p.x - s * p.y, s * p.x + c * p.y, p.z)
         };
-        let moved_skin = Surface::new(RawMesh {
-            positions: skin
-                .positions()
-                .iter()
-                .map(|p| turned(*p) + shift)
-                .collect(),
-            triangles: skin.triangles().to_vec(),
-        })
-        .unwrap()
-        .0;
+        let (moved_skin, vertices, triangles) = moved_surface(&skin, |p| turned(p) + shift);
         let moved = |p: &Press| Press {
             anchor_mm: turned(p.anchor_mm) + shift,
             foot_mm: turned(p.foot_mm) + shift,
             normal: turned(p.normal),
+            triangle: triangles[p.triangle as usize],
             ..*p
         };
         let turned_settings = Settings {
@@ -270,9 +307,10 @@ fn moving_the_whole_scene_moves_the_result_with_it() {
             turned_settings,
             &[moved(&press), moved(&beside)],
         );
-        for v in 0..skin.positions().len() {
-            assert!((there.offsets_mm[v] - turned(here.offsets_mm[v])).length() < 1e-9);
-            assert!((there.normals[v] - turned(here.normals[v])).length() < 1e-9);
+        for (v, &u) in vertices.iter().enumerate() {
+            let (offset, normal) = (there.offsets_mm[u as usize], there.normals[u as usize]);
+            assert!((offset - turned(here.offsets_mm[v])).length() < 1e-9);
+            assert!((normal - turned(here.normals[v])).length() < 1e-9);
         }
     }
 }
@@ -284,24 +322,21 @@ fn the_basic_circle_moves_with_any_turn_of_the_scene() {
         half_minor_mm: 60.0,
         ..small()
     };
-    let press = press_at_vertex(&skin, 480, 7.0, [6.0, 3.0]);
+    let press = press_at_vertex(&skin, vertex_over(&skin, 0.0, 0.0), 7.0, [6.0, 3.0]);
     let here = deformed(&skin, settings, &[press]);
     let turn = |p: Vec3| Vec3::new(p.z, p.x, p.y);
-    let lying = Surface::new(RawMesh {
-        positions: skin.positions().iter().map(|p| turn(*p)).collect(),
-        triangles: skin.triangles().to_vec(),
-    })
-    .unwrap()
-    .0;
+    let (lying, vertices, triangles) = moved_surface(&skin, turn);
     let moved = Press {
         anchor_mm: turn(press.anchor_mm),
         foot_mm: turn(press.foot_mm),
         normal: turn(press.normal),
+        triangle: triangles[press.triangle as usize],
         ..press
     };
     let there = deformed(&lying, settings, &[moved]);
-    for v in 0..skin.positions().len() {
-        assert!((there.offsets_mm[v] - turn(here.offsets_mm[v])).length() < 1e-9);
+    for (v, &u) in vertices.iter().enumerate() {
+        let offset = there.offsets_mm[u as usize];
+        assert!((offset - turn(here.offsets_mm[v])).length() < 1e-9);
     }
 }
 
@@ -333,7 +368,7 @@ fn normals_by_definition(surface: &Surface, out: &Displacement) -> Vec<Vec3> {
 #[test]
 fn normals_equal_those_recomputed_over_the_whole_surface() {
     let skin = hill(40, 4.0);
-    let press = press_at_vertex(&skin, 840, 9.0, [10.0, -5.0]);
+    let press = press_at_vertex(&skin, vertex_over(&skin, 0.0, 0.0), 9.0, [10.0, -5.0]);
     let out = deformed(&skin, small(), &[press]);
     let expected = normals_by_definition(&skin, &out);
     let positions: Vec<Vec3> = (0..skin.positions().len())
@@ -363,7 +398,8 @@ fn normals_are_right_round_a_hub_with_hundreds_of_spokes_and_on_the_rim() {
         mesh.triangles.push([0, 1 + i, 1 + (i + 1) % spokes]);
     }
     let skin = Surface::new(mesh).expect("a sound mesh").0;
-    for vertex in [0, 7] {
+    for place in [Vec3::Z * 3.0, Vec3::X * 20.0] {
+        let vertex = vertex_at(&skin, place);
         let press = press_at_vertex(&skin, vertex, 6.0, [4.0, 1.0]);
         let out = deformed(&skin, small(), &[press]);
         let expected = normals_by_definition(&skin, &out);
@@ -376,7 +412,7 @@ fn normals_are_right_round_a_hub_with_hundreds_of_spokes_and_on_the_rim() {
 #[test]
 fn shading_starts_from_the_normal_at_rest_without_a_jump() {
     let skin = hill(40, 4.0);
-    let press = press_at_vertex(&skin, 840, 1e-7, [1e-7, 0.0]);
+    let press = press_at_vertex(&skin, vertex_over(&skin, 0.0, 0.0), 1e-7, [1e-7, 0.0]);
     let out = deformed(&skin, small(), &[press]);
     assert!(!out.moved.is_empty());
     for v in 0..skin.positions().len() {
@@ -407,7 +443,7 @@ fn the_other_side_of_a_thin_fold_stays() {
         }
     }
     let skin = Surface::new(mesh).expect("a sound mesh").0;
-    let vertex = at(20, 20);
+    let vertex = vertex_at(&skin, Vec3::new(-60.0, 60.0, 2.0));
     let press = press_at_vertex(&skin, vertex, 5.0, [2.0, 0.0]);
     let out = deformed(
         &skin,
@@ -419,13 +455,14 @@ fn the_other_side_of_a_thin_fold_stays() {
         &[press],
     );
     assert!(out.moved.len() > 100);
-    assert!(out.moved.iter().all(|&v| v as usize % (2 * n + 1) <= n));
+    let in_the_upper = |p: Vec3| p.z > 1.0 || p.x == 0.0;
+    assert!((out.moved.iter()).all(|&v| in_the_upper(skin.positions()[v as usize])));
 }
 
 #[test]
 fn settings_that_mean_nothing_move_nothing() {
     let skin = hill(10, 5.0);
-    let press = press_at_vertex(&skin, 60, 5.0, [2.0, 0.0]);
+    let press = press_at_vertex(&skin, vertex_over(&skin, 0.0, 0.0), 5.0, [2.0, 0.0]);
     for bad in [
         0.0,
         -1.0,

@@ -1,13 +1,14 @@
 //! Plots as SVG: well formed, labelled, complete, and small.
 
 use dorsum::figure::plot::svg;
-use dorsum::figure::{LEFT, LinePlot, RIGHT, Series, write_svg};
+use dorsum::figure::{LEFT, LinePlot, Mark, RIGHT, Scale, Series, write_svg};
 
 fn series(name: &str, colour: [u8; 3], points: Vec<[f64; 2]>) -> Series {
     Series {
         name: name.to_owned(),
         colour,
         points,
+        ..Series::default()
     }
 }
 
@@ -17,6 +18,7 @@ fn plot(title: &str, y_label: &str, series: Vec<Series>) -> LinePlot {
         x_label: "time (s)".to_owned(),
         y_label: y_label.to_owned(),
         series,
+        ..LinePlot::default()
     }
 }
 
@@ -263,4 +265,83 @@ fn the_file_is_replaced_whole_and_is_the_same_every_time() {
         1
     );
     assert!(write_svg(&folder.path().join("no/such/folder.svg"), &plots).is_err());
+}
+
+fn dots(tags: &[String], colour: [u8; 3]) -> Vec<[f64; 2]> {
+    tags.iter()
+        .filter(|t| t.starts_with("circle") && t.contains(&hex(colour)))
+        .map(|t| {
+            ["cx=\"", "cy=\""].map(|key| {
+                let at = t.split(key).nth(1).and_then(|r| r.split('"').next());
+                at.expect("a place").parse().expect("a number")
+            })
+        })
+        .collect()
+}
+
+#[test]
+fn on_logarithmic_axes_equal_factors_are_equally_long_and_what_is_not_above_zero_is_left_out() {
+    let powers: Vec<[f64; 2]> = (0..5)
+        .map(|i| [10_f64.powi(i), 3.0 * 100_f64.powi(-i)])
+        .collect();
+    let drawn = |points: Vec<[f64; 2]>| {
+        let text = svg(&[LinePlot {
+            x_scale: Scale::Logarithmic,
+            y_scale: Scale::Logarithmic,
+            ..plot("Cost", "time (µs)", vec![series("a", LEFT, points)])
+        }]);
+        text.expect("drawn")
+    };
+    let text = drawn(powers.clone());
+    let curve = curves(&checked(&text), LEFT).concat();
+    assert_eq!(curve.len(), 5);
+    let steps: Vec<[f64; 2]> = curve
+        .windows(2)
+        .map(|w| [w[1][0] - w[0][0], w[1][1] - w[0][1]])
+        .collect();
+    for step in &steps {
+        assert!(
+            (step[0] - steps[0][0]).abs() <= 1.0 && step[0] > 100.0,
+            "{steps:?}"
+        );
+        assert!(
+            (step[1] - steps[0][1]).abs() <= 1.0 && step[1] > 50.0,
+            "{steps:?}"
+        );
+    }
+    for mark in ["10000", "1e", "0.01"] {
+        assert!(text.contains(mark), "{mark}");
+    }
+    let mut with_others = powers;
+    for odd in [
+        [0.0, 1.0],
+        [-1.0, 1.0],
+        [5.0, 0.0],
+        [5.0, -2.0],
+        [f64::NAN, 1.0],
+    ] {
+        with_others.insert(2, odd);
+    }
+    assert_eq!(drawn(with_others), text);
+    assert!(drawn(vec![[-1.0, 1.0]]).contains("no data"));
+}
+
+#[test]
+fn marks_tell_measured_points_from_curves_and_one_source_from_another() {
+    let points = || vec![[0.0, 1.0], [1.0, 4.0], [2.0, 2.0]];
+    let of = |mark: Mark| {
+        let marked = Series {
+            mark,
+            ..series("a", LEFT, points())
+        };
+        let text = svg(&[plot("Marked", "y (mm)", vec![marked])]).expect("drawn");
+        let tags = checked(&text);
+        (dots(&tags, LEFT).len(), curves(&tags, LEFT).len())
+    };
+    assert_eq!(of(Mark::Line), (0, 1));
+    // With one in the legend.
+    assert_eq!(of(Mark::Joined), (4, 1));
+    assert_eq!(of(Mark::Points), (4, 0));
+    let (rings, dashes) = of(Mark::Dashed);
+    assert!(rings == 4 && dashes > 10, "{rings} {dashes}");
 }

@@ -310,3 +310,93 @@ mod complexity {
         assert_eq!(column("nodes")[..3], [15.0, 31.0, 63.0]);
     }
 }
+
+/// The cells of a column in the rows where `key` holds `wanted`.
+fn column<'a>(table: &'a Table, key: &str, wanted: &str, name: &str) -> Vec<&'a Value> {
+    (0..table.rows().len())
+        .filter(|&row| table.cell(row, key).to_string() == wanted)
+        .map(|row| table.cell(row, name))
+        .collect()
+}
+
+mod completeness {
+    use super::*;
+
+    /// On the built-in back with as many triangles as the publication's model.
+    #[test]
+    fn the_printed_octree_rule_loses_249_triangles_and_the_complete_query_none() {
+        let setup = Setup {
+            quick: true,
+            ..Setup::default()
+        };
+        let experiment = lab::partition::Completeness;
+        let document = lab::run(&[&experiment], &setup, &mut Watch::new(&mut |_, _| true));
+        let report = &document.expect("runs").experiments[0];
+        let table = &report.tables[0];
+        for row in 0..table.rows().len() {
+            assert_eq!(table.cell(row, "missed"), &Value::Integer(0), "{row}");
+            let mean = |name: &str| table.cell(row, name).number();
+            assert!(mean("needed") <= mean("gathered"), "{row}");
+            assert!(mean("needed") > Some(100.0), "{row}");
+        }
+        let lost = column(table, "structure", "octree", "lost by printed rule");
+        assert_eq!(lost[0], &Value::Integer(249));
+        assert_eq!(lost.len(), 4, "two thresholds, two boxes");
+        // A cut triangle, or one listed on both sides, is in every leaf whose cell it meets.
+        for complete in ["bsp a", "bsp b"] {
+            for missed in column(table, "structure", complete, "published missed") {
+                assert_eq!(missed, &Value::Integer(0), "{complete}");
+            }
+        }
+        for jutting in ["bsp c", "octree"] {
+            let missed = column(table, "structure", jutting, "published missed");
+            let sum: f64 = missed.iter().filter_map(|v| v.number()).sum();
+            assert!(sum > 0.0, "{jutting}");
+        }
+        assert!(report.holds());
+    }
+}
+
+mod threshold {
+    use super::*;
+    use dorsum::geom::Aabb;
+    use dorsum::partition::brute::Brute;
+    use dorsum::partition::{Partition as _, hdb};
+
+    #[test]
+    fn counts_are_those_of_the_trees_and_of_brute_force() {
+        let setup = toy();
+        let document = run(&lab::partition::Threshold);
+        let [trees, queries] = &document.experiments[0].tables[..] else {
+            panic!("two tables");
+        };
+        let surface = &setup.mesh.expect("the toy").surface;
+        // The same places as in the experiment are not known here; their mean is near that over all triangles.
+        let edge_mm = hdb::edge_mm(surface);
+        let mut sum = 0;
+        for t in 0..surface.triangles().len() as u32 {
+            let region = Aabb::cube(surface.triangle(t).centroid(), edge_mm);
+            let mut found = Vec::new();
+            Brute.in_box(surface, &region, &mut found);
+            sum += found.len();
+        }
+        let mean = sum as f64 / surface.triangles().len() as f64;
+        for row in 0..queries.rows().len() {
+            let number = |name: &str| queries.cell(row, name).number().expect("a number");
+            let complete = number("complete gathered");
+            assert!((complete / mean - 1.0).abs() < 0.15, "{complete}, {mean}");
+            let ratio = number("published gathered") / complete;
+            assert!((number("gathered / needed") - ratio).abs() < 1e-12);
+        }
+        for row in 0..trees.rows().len() {
+            let number = |name: &str| trees.cell(row, name).number();
+            assert!(number("largest leaf") <= number("threshold"), "{row}");
+            assert!(number("entries per triangle") >= Some(1.0), "{row}");
+            // 900 triangles fit into one leaf of 1024.
+            if number("threshold") >= Some(1024.0) {
+                assert_eq!((number("nodes"), number("height")), (Some(1.0), Some(0.0)));
+                assert_eq!(number("largest leaf"), Some(900.0));
+            }
+        }
+    }
+}

@@ -357,6 +357,31 @@ fn meets(surface: &Surface, t: u32, region: &Aabb) -> bool {
     !shape.is_empty()
 }
 
+#[test]
+fn a_triangle_meets_a_box_where_clipping_leaves_something_of_it() {
+    let (mut apart, mut near, mut met) = (0, 0, 0);
+    for size in [2.0, 40.0, 300.0] {
+        let mesh = surface(cloud(2000, size, 11));
+        let region = Aabb {
+            min: Vec3::new(-60.0, -20.0, -70.0),
+            max: Vec3::new(10.0, 80.0, -5.0),
+        };
+        for t in 0..mesh.triangles().len() as u32 {
+            let found = mesh.triangle(t).meets(&region);
+            assert_eq!(found, meets(&mesh, t, &region), "{size}: {t}");
+            let boxes_overlap = mesh.triangle(t).aabb().overlaps(&region);
+            met += usize::from(found);
+            near += usize::from(boxes_overlap && !found);
+            apart += usize::from(!boxes_overlap);
+        }
+        assert!(!mesh.triangle(0).meets(&Aabb::EMPTY));
+    }
+    assert!(
+        met > 500 && near > 50 && apart > 500,
+        "{met} {near} {apart}"
+    );
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 

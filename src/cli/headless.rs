@@ -140,6 +140,7 @@ fn plots(records: &[FingerRecord]) -> Vec<LinePlot> {
                 ]
             })
             .collect(),
+        ..Series::default()
     };
     let normal = |c: &Contact, f: Vec3| f.dot(c.normal);
     let tangential = |c: &Contact, f: Vec3| (f - c.normal * f.dot(c.normal)).length();
@@ -153,12 +154,14 @@ fn plots(records: &[FingerRecord]) -> Vec<LinePlot> {
                 series("normal", figure::LEFT, normal),
                 series("tangential", grey, tangential),
             ],
+            ..LinePlot::default()
         },
         LinePlot {
             title: "Penetration".into(),
             x_label: "time (s)".into(),
             y_label: "depth (mm)".into(),
             series: vec![series("depth", figure::LEFT, |c, _| c.depth_mm)],
+            ..LinePlot::default()
         },
     ]
 }

@@ -3,6 +3,7 @@
 //! [`Picture`] draws the skin and the fingers in software, [`plot`] draws curves as SVG. Both need no display, no graphics
 //! library and no installed font, and give the same bytes every time.
 
+mod axis;
 mod camera;
 mod file;
 mod image;
@@ -11,11 +12,12 @@ pub mod plot;
 mod raster;
 mod relief;
 
+pub use axis::Scale;
 pub use camera::Camera;
 pub use file::write_files;
 pub use image::Image;
 pub use picture::{Ball, Picture};
-pub use plot::{LinePlot, Series, write_svg};
+pub use plot::{LinePlot, Mark, Series, write_svg};
 
 /// sRGB colour of the left finger, everywhere.
 pub const LEFT: [u8; 3] = [38, 104, 196];

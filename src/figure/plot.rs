@@ -1,7 +1,7 @@
 //! Curves over one axis, as SVG.
 
+use super::axis::{Axis, FARTHEST, Scale, extent, padded};
 use super::file::write_whole;
-use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, ValueFormatter};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::io::{Error, Result};
@@ -15,8 +15,31 @@ pub struct Series {
     pub name: String,
     /// sRGB colour.
     pub colour: [u8; 3],
-    /// Points (x, y) in the order they are joined. Those not finite, or farther than 1e15 from 0, are left out.
+    /// How its points are shown.
+    pub mark: Mark,
+    /// Points (x, y) in the order they are joined. Those not finite, or farther than 1e15 from 0, are left out; on a
+    /// logarithmic axis so are those not above 0.
     pub points: Vec<[f64; 2]>,
+}
+
+/// How the points of a curve are shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mark {
+    /// Joined by a line.
+    #[default]
+    Line,
+    /// Each as a dot, joined by a line: a few measured points.
+    Joined,
+    /// Each as a ring, joined by a dashed line: the figures of someone else beside ours.
+    Dashed,
+    /// Each as a dot by itself.
+    Points,
+}
+
+impl Mark {
+    fn has_dots(self) -> bool {
+        self != Self::Line
+    }
 }
 
 /// Curves in one frame.
@@ -28,6 +51,10 @@ pub struct LinePlot {
     pub x_label: String,
     /// What y is, with its unit, as `force (N)`.
     pub y_label: String,
+    /// How x is laid out. Plots drawn together share x: it is logarithmic when one of them says so.
+    pub x_scale: Scale,
+    /// How y is laid out.
+    pub y_scale: Scale,
     /// The curves, the last on top.
     pub series: Vec<Series>,
 }
@@ -52,8 +79,7 @@ const TITLE_SIZE: f64 = 16.0 * PX as f64;
 const TEXT_SIZE: f64 = 12.5 * PX as f64;
 /// A wide character, em: no font is at hand to measure with.
 const EM_PER_CHAR: f64 = 0.62;
-/// Farther out than any quantity here, and well inside what the axes can be divided over.
-const FARTHEST: f64 = 1.0e15;
+const DOT_RADIUS: u32 = 3 * PX;
 
 const INK: RGBColor = RGBColor(52, 58, 66);
 const FAINT: RGBColor = RGBColor(120, 128, 138);
@@ -71,7 +97,20 @@ const AXIS: RGBColor = RGBColor(160, 168, 178);
 pub fn svg(plots: &[LinePlot]) -> Result<String> {
     let nothing = [LinePlot::default()];
     let plots = if plots.is_empty() { &nothing } else { plots };
-    let x_range = padded(extent(plots.iter().flat_map(points).map(|p| p[0])), 0.0);
+    let logarithmic = plots.iter().any(|p| p.x_scale == Scale::Logarithmic);
+    let x_scale = if logarithmic {
+        Scale::Logarithmic
+    } else {
+        Scale::Linear
+    };
+    let dotted = plots
+        .iter()
+        .any(|p| p.series.iter().any(|s| s.mark.has_dots()));
+    let xs = plots.iter().flat_map(|p| points(p, x_scale)).map(|p| p[0]);
+    let x = Shared {
+        scale: x_scale,
+        range: padded(extent(xs), if dotted { 0.03 } else { 0.0 }, x_scale),
+    };
     let tall: Vec<u32> = plots
         .iter()
         .enumerate()
@@ -85,7 +124,7 @@ pub fn svg(plots: &[LinePlot]) -> Result<String> {
         let mut rest = root;
         for (i, (plot, tall)) in plots.iter().zip(tall).enumerate() {
             let (area, below) = rest.split_vertically(tall);
-            draw(&area, plot, &x_range, i + 1 == plots.len())?;
+            draw(&area, plot, &x, i + 1 == plots.len())?;
             rest = below;
         }
         rest.present().map_err(Error::other)?;
@@ -103,9 +142,15 @@ pub fn write_svg(path: &Path, plots: &[LinePlot]) -> Result<()> {
     write_whole(path, svg(plots)?.as_bytes())
 }
 
+/// The axis that plots have in common.
+struct Shared {
+    scale: Scale,
+    range: Range<f64>,
+}
+
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
-fn draw(area: &Area, plot: &LinePlot, x_range: &Range<f64>, last: bool) -> Result<()> {
+fn draw(area: &Area, plot: &LinePlot, x: &Shared, last: bool) -> Result<()> {
     let title = style(TITLE_SIZE, INK).pos(Pos::new(HPos::Left, VPos::Center));
     let title_text = shortened(&plot.title, FRAME_WIDTH, TITLE_SIZE);
     let title_at = (FRAME_LEFT as i32, (TITLE_HEIGHT / 2 + 4 * PX) as i32);
@@ -114,20 +159,15 @@ fn draw(area: &Area, plot: &LinePlot, x_range: &Range<f64>, last: bool) -> Resul
     for entry in legend(plot) {
         let middle = (TITLE_HEIGHT + entry.row * LEGEND_ROW_HEIGHT + LEGEND_ROW_HEIGHT / 2) as i32;
         let left = (FRAME_LEFT + entry.left) as i32;
-        let [r, g, b] = entry.colour;
-        let swatch = [
-            (left, middle - PX as i32),
-            (left + SWATCH_WIDTH as i32, middle + PX as i32),
-        ];
-        area.draw(&Rectangle::new(swatch, RGBColor(r, g, b).filled()))
-            .map_err(Error::other)?;
+        swatch(area, &entry, (left, middle))?;
         let text = style(TEXT_SIZE, INK).pos(Pos::new(HPos::Left, VPos::Center));
         let at = (left + (SWATCH_WIDTH + 6 * PX) as i32, middle);
         area.draw_text(&entry.name, &text, at)
             .map_err(Error::other)?;
     }
 
-    let y_range = padded(extent(points(plot).map(|p| p[1])), 0.06);
+    let ys = points(plot, x.scale).map(|p| p[1]);
+    let y_range = padded(extent(ys), 0.06, plot.y_scale);
     let x_label_height = if last { X_LABEL_HEIGHT } else { 0 };
     let mut chart = ChartBuilder::on(area)
         .margin_top(TITLE_HEIGHT + legend_rows(plot) * LEGEND_ROW_HEIGHT + 4 * PX)
@@ -136,7 +176,10 @@ fn draw(area: &Area, plot: &LinePlot, x_range: &Range<f64>, last: bool) -> Resul
         .margin_right(RIGHT_MARGIN)
         .x_label_area_size(x_label_height)
         .y_label_area_size(Y_LABEL_WIDTH)
-        .build_cartesian_2d(Axis::new(x_range.clone(), 10), Axis::new(y_range, 5))
+        .build_cartesian_2d(
+            Axis::new(x.range.clone(), 10, x.scale),
+            Axis::new(y_range, 5, plot.y_scale),
+        )
         .map_err(Error::other)?;
     let text = style(TEXT_SIZE, INK);
     let label_chars = |px: u32| shortened_chars(px, TEXT_SIZE);
@@ -152,22 +195,33 @@ fn draw(area: &Area, plot: &LinePlot, x_range: &Range<f64>, last: bool) -> Resul
     }
     mesh.draw().map_err(Error::other)?;
 
-    let column = (x_range.end - x_range.start) / f64::from(FRAME_WIDTH / PX);
+    let column = (x.range.end - x.range.start) / f64::from(FRAME_WIDTH / PX);
     for series in &plot.series {
         let [r, g, b] = series.colour;
-        let curve = decimated(drawn(series), x_range.start, column);
+        let all = drawn(series, x.scale, plot.y_scale);
+        let curve = decimated(all, x.range.start, column);
         let colour = RGBColor(r, g, b);
-        if let [[x, y]] = curve[..] {
-            let dot = Circle::new((x, y), 3 * PX, colour.filled());
-            chart.draw_series([dot]).map_err(Error::other)?;
+        let line = colour.stroke_width(3 * PX / 2);
+        let joined = curve.iter().map(|&[x, y]| (x, y));
+        if curve.len() > 1 && matches!(series.mark, Mark::Line | Mark::Joined) {
+            chart
+                .draw_series(LineSeries::new(joined.clone(), line))
+                .map_err(Error::other)?;
+        } else if curve.len() > 1 && series.mark == Mark::Dashed {
+            let thin = colour.stroke_width(PX);
+            chart
+                .draw_series(DashedLineSeries::new(joined.clone(), 6 * PX, 4 * PX, thin))
+                .map_err(Error::other)?;
+        }
+        if !series.mark.has_dots() && curve.len() > 1 {
             continue;
         }
-        let curve = curve.into_iter().map(|[x, y]| (x, y));
-        chart
-            .draw_series(LineSeries::new(curve, colour.stroke_width(3 * PX / 2)))
-            .map_err(Error::other)?;
+        for style in dot_styles(series.mark, colour) {
+            let dots = joined.clone().map(|at| Circle::new(at, DOT_RADIUS, style));
+            chart.draw_series(dots).map_err(Error::other)?;
+        }
     }
-    if points(plot).next().is_none() {
+    if points(plot, x.scale).next().is_none() {
         let style = style(TITLE_SIZE, FAINT).pos(Pos::new(HPos::Center, VPos::Center));
         let (x, y) = chart.plotting_area().get_pixel_range();
         let origin = area.get_base_pixel();
@@ -179,6 +233,41 @@ fn draw(area: &Area, plot: &LinePlot, x_range: &Range<f64>, last: bool) -> Resul
             .map_err(Error::other)?;
     }
     Ok(())
+}
+
+/// What a curve looks like, before its name in the legend; `at` is its left end, half way up.
+fn swatch(area: &Area, entry: &Entry, (left, middle): (i32, i32)) -> Result<()> {
+    let [r, g, b] = entry.colour;
+    let colour = RGBColor(r, g, b);
+    let wide = SWATCH_WIDTH as i32;
+    let thick = PX as i32;
+    let parts: &[(i32, i32)] = match entry.mark {
+        Mark::Line | Mark::Joined => &[(0, wide)],
+        Mark::Dashed => &[(0, wide / 5), (4 * wide / 5, wide)],
+        Mark::Points => &[],
+    };
+    for (from, to) in parts {
+        let bar = [(left + from, middle - thick), (left + to, middle + thick)];
+        area.draw(&Rectangle::new(bar, colour.filled()))
+            .map_err(Error::other)?;
+    }
+    if entry.mark.has_dots() {
+        let at = (left + wide / 2, middle);
+        for style in dot_styles(entry.mark, colour) {
+            area.draw(&Circle::new(at, DOT_RADIUS, style))
+                .map_err(Error::other)?;
+        }
+    }
+    Ok(())
+}
+
+/// What makes up a dot, or a ring that hides the curve behind it.
+fn dot_styles(mark: Mark, colour: RGBColor) -> Vec<ShapeStyle> {
+    if mark == Mark::Dashed {
+        vec![WHITE.filled(), colour.stroke_width(3 * PX / 2)]
+    } else {
+        vec![colour.filled()]
+    }
 }
 
 fn style(size: f64, colour: RGBColor) -> TextStyle<'static> {
@@ -199,6 +288,7 @@ struct Entry {
     left: u32,
     name: String,
     colour: [u8; 3],
+    mark: Mark,
 }
 
 /// The named series in as many rows as they need.
@@ -217,6 +307,7 @@ fn legend(plot: &LinePlot) -> Vec<Entry> {
             left,
             name,
             colour: series.colour,
+            mark: series.mark,
         });
         left += wide;
     }
@@ -253,113 +344,18 @@ fn cut(text: &str, n: usize) -> String {
     short
 }
 
-fn is_drawn(p: &[f64; 2]) -> bool {
+/// The points that can be shown, where the axes have them.
+fn drawn(series: &Series, x: Scale, y: Scale) -> impl Iterator<Item = [f64; 2]> {
+    let placed = move |p: &[f64; 2]| [x.place(p[0]), y.place(p[1])];
     // Written so that what is not a number is not drawn.
-    p.iter().all(|c| c.abs() <= FARTHEST)
+    let is_drawn = |p: &[f64; 2]| p.iter().all(|c| c.abs() <= FARTHEST);
+    series.points.iter().map(placed).filter(is_drawn)
 }
 
-fn drawn(series: &Series) -> impl Iterator<Item = [f64; 2]> {
-    series.points.iter().copied().filter(is_drawn)
-}
-
-fn points(plot: &LinePlot) -> impl Iterator<Item = [f64; 2]> {
-    plot.series.iter().flat_map(drawn)
-}
-
-fn extent(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
-    values.fold(None, |found, v| match found {
-        None => Some((v, v)),
-        Some((low, high)) => Some((f64::min(low, v), f64::max(high, v))),
-    })
-}
-
-/// The range of an axis: the values with `margin` of their span to each side, never without a width. 0 to 1 for no value.
-///
-/// Zero is taken in where it is near, for a curve that all but touches it misleads when cut off there.
-fn padded(extent: Option<(f64, f64)>, margin: f64) -> Range<f64> {
-    let Some((mut low, mut high)) = extent else {
-        return 0.0..1.0;
-    };
-    // A span that the axis cannot be divided over: the values are all but equal.
-    let least = 1.0e-9 * low.abs().max(high.abs()).max(1.0e-3);
-    if high - low < least {
-        let half = 0.05 * low.abs().max(high.abs());
-        let half = if half > least { half } else { 0.5 };
-        return low - half..high + half;
-    }
-    let span = high - low;
-    if margin > 0.0 {
-        let (starts_at_zero, ends_at_zero) = (
-            low >= 0.0 && low < 0.3 * span,
-            high <= 0.0 && -high < 0.3 * span,
-        );
-        let pad = margin * span;
-        low = if starts_at_zero { 0.0 } else { low - pad };
-        high = if ends_at_zero { 0.0 } else { high + pad };
-    }
-    low..high
-}
-
-/// An axis with marks at round places: multiples of 1, 2 or 5 times a power of ten.
-struct Axis {
-    range: Range<f64>,
-    step: f64,
-    decimals: usize,
-    is_wide: bool,
-}
-
-impl Axis {
-    /// With about `n` marks; `range` has a width.
-    fn new(range: Range<f64>, n: usize) -> Self {
-        let rough = (range.end - range.start) / n as f64;
-        let power = libm::pow(10.0, libm::floor(libm::log10(rough)));
-        let step = [1.0, 2.0, 5.0]
-            .into_iter()
-            .map(|m| m * power)
-            .find(|&s| s >= rough * 0.999)
-            .unwrap_or(10.0 * power);
-        let most = range.start.abs().max(range.end.abs());
-        Self {
-            range,
-            step,
-            decimals: (-libm::floor(libm::log10(step * 1.001))).max(0.0) as usize,
-            is_wide: most >= 1.0e6 || step < 1.0e-5,
-        }
-    }
-}
-
-impl Ranged for Axis {
-    type FormatOption = NoDefaultFormatting;
-    type ValueType = f64;
-
-    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
-        let share = (value - self.range.start) / (self.range.end - self.range.start);
-        let span = f64::from(limit.1) - f64::from(limit.0);
-        (f64::from(limit.0) + share * span).round() as i32
-    }
-
-    fn key_points<Hint: KeyPointHint>(&self, _: Hint) -> Vec<f64> {
-        let first = (self.range.start / self.step - 1.0e-6).ceil() as i64;
-        let last = (self.range.end / self.step + 1.0e-6).floor() as i64;
-        (first..=last).map(|i| i as f64 * self.step).collect()
-    }
-
-    fn range(&self) -> Range<f64> {
-        self.range.clone()
-    }
-}
-
-impl ValueFormatter<f64> for Axis {
-    fn format_ext(&self, value: &f64) -> String {
-        let text = if *value == 0.0 {
-            "0".to_owned()
-        } else if self.is_wide {
-            format!("{value:.3e}")
-        } else {
-            format!("{value:.*}", self.decimals)
-        };
-        text.replace('-', "\u{2212}")
-    }
+fn points(plot: &LinePlot, x: Scale) -> impl Iterator<Item = [f64; 2]> {
+    plot.series
+        .iter()
+        .flat_map(move |s| drawn(s, x, plot.y_scale))
 }
 
 /// The same curve with at most four points for each run of points in one column `column` wide: first, lowest, highest, last.
@@ -443,21 +439,6 @@ mod tests {
                 prop_assert_eq!(before, after);
             }
         }
-
-        #[test]
-        fn every_axis_has_a_width_and_a_few_round_marks_inside(
-            low in -1.0e15..1.0e15_f64, exponent in -20..16_i32, up in 0.0..9.0_f64,
-        ) {
-            let high = (low + up * 10_f64.powi(exponent)).min(FARTHEST);
-            let range = padded(Some((low, high)), 0.06);
-            prop_assert!(range.start <= low && range.end >= high && range.start < range.end);
-            let axis = Axis::new(range.clone(), 5);
-            let marks = axis.key_points(plotters::coord::ranged1d::BoldPoints(5));
-            prop_assert!((2..=12).contains(&marks.len()), "{:?}: {:?}", range, marks);
-            for pair in marks.windows(2) {
-                prop_assert!(axis.format_ext(&pair[0]) != axis.format_ext(&pair[1]) || axis.is_wide);
-            }
-        }
     }
 
     #[test]
@@ -465,20 +446,5 @@ mod tests {
         let there_and_back = [[0.0, 0.0], [1.0, 1.0], [2.0, 2.0], [1.0, 3.0], [0.0, 4.0]];
         let kept = decimated(there_and_back.into_iter(), 0.0, 0.5);
         assert_eq!(kept, there_and_back);
-    }
-
-    #[test]
-    fn marks_are_round_and_read_as_such() {
-        let axis = Axis::new(-0.4..1.3, 5);
-        let marks = axis.key_points(plotters::coord::ranged1d::BoldPoints(5));
-        let texts: Vec<String> = marks.iter().map(|m| axis.format_ext(m)).collect();
-        assert_eq!(texts, ["0", "0.5", "1.0"]);
-        let axis = Axis::new(-25.0..25.0, 5);
-        let texts: Vec<String> = axis
-            .key_points(plotters::coord::ranged1d::BoldPoints(5))
-            .iter()
-            .map(|m| axis.format_ext(m))
-            .collect();
-        assert_eq!(texts, ["\u{2212}20", "\u{2212}10", "0", "10", "20"]);
     }
 }

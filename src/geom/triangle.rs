@@ -75,6 +75,29 @@ impl Triangle {
         }
     }
 
+    /// Whether it shares a point with the box, by separating axes (Akenine-Möller 2001): the box's, its own normal, and
+    /// each of their edges with each of its own. What only touches, to rounding, may be told either way.
+    pub fn meets(&self, region: &Aabb) -> bool {
+        if region.is_empty() || !self.aabb().overlaps(region) {
+            return false;
+        }
+        let (centre, half) = (region.centre(), region.size() / 2.0);
+        let corners = [self.a - centre, self.b - centre, self.c - centre];
+        let parted_by = |axis: Vec3| {
+            let along = corners.map(|p| p.dot(axis));
+            let reach = half.dot(axis.abs());
+            let low = along[0].min(along[1]).min(along[2]);
+            let high = along[0].max(along[1]).max(along[2]);
+            low > reach || high < -reach
+        };
+        let edges = [self.b - self.a, self.c - self.b, self.a - self.c];
+        let axes = [Vec3::X, Vec3::Y, Vec3::Z];
+        let across = edges
+            .iter()
+            .flat_map(|e| axes.iter().map(move |k| k.cross(*e)));
+        !parted_by(self.area_normal()) && !across.into_iter().any(parted_by)
+    }
+
     /// The point with the given corner weights, mm.
     pub fn at(&self, barycentric: [f64; 3]) -> Vec3 {
         self.a * barycentric[0] + self.b * barycentric[1] + self.c * barycentric[2]

@@ -25,7 +25,12 @@ pub use watch::{Stopped, Watch};
 
 /// Every experiment, groups side by side.
 pub fn all() -> &'static [&'static dyn Experiment] {
-    &[&partition::Complexity, &contact::Torture]
+    &[
+        &partition::Complexity,
+        &partition::Completeness,
+        &partition::Threshold,
+        &contact::Torture,
+    ]
 }
 
 /// One experiment.

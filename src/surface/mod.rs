@@ -1,12 +1,14 @@
 //! The skin: a triangle mesh that has passed validation, with its adjacency, and where it comes from.
 //!
 //! [`RawMesh`] is what a file or a generator hands over: anything at all. [`Surface`] is what the rest of the program
-//! sees: finite, indexed within range, consistently oriented, manifold. [`Surface::new`] is the only door between them.
+//! sees: finite, indexed within range, consistently oriented, manifold, numbered so that neighbours are near in memory.
+//! [`Surface::new`] is the only door between them.
 
 pub mod back;
 mod check;
 mod edges;
 pub mod io;
+mod order;
 pub mod primitives;
 mod topology;
 pub mod torture;
@@ -30,6 +32,9 @@ pub struct RawMesh {
 }
 
 /// The validated haptic surface. It never deforms (Ji 2008, 2.3): the drawn deformation is kept apart from it.
+///
+/// Triangles are numbered along a space-filling curve and vertices by first use, not as in the file they come from; only
+/// a [`Report`] names elements as the file does.
 #[derive(Clone, Debug)]
 pub struct Surface {
     positions: Vec<Vec3>,

@@ -2,7 +2,9 @@
 //!
 //! Steps, each on the result of the one before: refuse numbers and indices nothing can be made of; join vertices at the
 //! same place; remove triangles without area and doubles; drop unused vertices; join triangles across edges; turn them to
-//! face one way; double vertices where sheets touch in a point. All of it costs time in proportion to the mesh, or sorting at most.
+//! face one way; double vertices where sheets touch in a point; number all anew so that neighbours are near in memory.
+//! All of it costs time in proportion to the mesh, or sorting at most. Until the last step numbers ascend as in the mesh
+//! handed in, so the first of a kind is the first there, and every element is named by its number there.
 
 mod cut;
 mod flat;
@@ -14,6 +16,7 @@ mod weld;
 mod tests;
 
 use super::edges::{HalfEdges, ends, join};
+use super::order::{Ordered, ordered};
 use super::{RIM, RawMesh, Topology};
 use crate::geom::{Triangle, Vec3};
 use orient::{Pieces, orient};
@@ -63,8 +66,8 @@ pub(super) fn repair(mut raw: RawMesh) -> Result<Repaired, MeshError> {
 
     let mut pieces = orient(&mut sheet, crooked, &mut cut_ends, &mut defects);
     cut_ends.sort_unstable();
-    let (n, triangles) = (sheet.positions.len(), &sheet.triangles);
-    let (mut topology, n_fans) = Topology::from_across(n, triangles, sheet.across.clone());
+    let n = sheet.positions.len();
+    let (mut mesh, mut topology, n_fans) = sheet.renumbered();
     if n_fans > n || !cut_ends.is_empty() {
         let mut doubled = cut::split_fans(&mut sheet);
         let loose = cut::cut_loose(&mut sheet);
@@ -79,23 +82,17 @@ pub(super) fn repair(mut raw: RawMesh) -> Result<Repaired, MeshError> {
             bow_ties.add(|| sheet.named_vertex(v));
         }
         defects.extend(bow_ties.told(Defect::BowTieVertices));
-        let n = sheet.positions.len();
-        topology = Topology::from_across(n, &sheet.triangles, sheet.across).0;
+        (mesh, topology, _) = sheet.renumbered();
     }
+    drop(sheet);
     let mut report = Report {
         defects,
         ..Report::default()
     };
-    describe(
-        &sheet.positions,
-        &sheet.triangles,
-        &topology,
-        &pieces,
-        &mut report,
-    );
+    describe(&mesh, &topology, &pieces, &mut report);
     Ok(Repaired {
-        positions: sheet.positions,
-        triangles: sheet.triangles,
+        positions: mesh.positions,
+        triangles: mesh.triangles,
         topology,
         report,
     })
@@ -137,6 +134,15 @@ fn refuse_unusable(raw: &mut RawMesh) -> Result<(), MeshError> {
 }
 
 impl Sheet {
+    /// The mesh as a surface numbers it, its adjacency, and the number of fans.
+    fn renumbered(&self) -> (Ordered, Topology, usize) {
+        let mut mesh = ordered(&self.positions, &self.triangles, &self.across);
+        let across = std::mem::take(&mut mesh.across);
+        let (topology, n_fans) =
+            Topology::from_across(mesh.positions.len(), &mesh.triangles, across);
+        (mesh, topology, n_fans)
+    }
+
     fn triangle(&self, t: u32) -> Triangle {
         let [a, b, c] = self.triangles[t as usize].map(|v| self.positions[v as usize]);
         Triangle { a, b, c }
@@ -306,13 +312,7 @@ impl<T> Found<T> {
 }
 
 /// Enters the components and rims of the repaired mesh.
-fn describe(
-    positions: &[Vec3],
-    triangles: &[[u32; 3]],
-    topology: &Topology,
-    pieces: &Pieces,
-    report: &mut Report,
-) {
+fn describe(mesh: &Ordered, topology: &Topology, pieces: &Pieces, report: &mut Report) {
     let mut order: Vec<u32> = (0..pieces.list.len() as u32).collect();
     order.sort_by_key(|&p| std::cmp::Reverse(pieces.list[p as usize].triangles));
     let mut rank = vec![0; order.len()];
@@ -336,9 +336,10 @@ fn describe(
                 .collect(),
         });
     }
-    let mut rims = rims(positions, triangles, topology);
+    let mut rims = rims(&mesh.positions, &mesh.triangles, topology);
     for rim in &mut rims {
-        rim.component = rank[pieces.of[rim.component] as usize];
+        let piece = pieces.of[mesh.was[rim.component] as usize];
+        rim.component = rank[piece as usize];
     }
     rims.sort_by(|a, b| b.perimeter_mm.total_cmp(&a.perimeter_mm));
     let mut has_rim = vec![false; order.len()];
