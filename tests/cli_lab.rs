@@ -72,7 +72,7 @@ fn bad_input_is_one_line_that_says_what_is_allowed_and_nothing_is_written() {
     for (arguments, told) in [
         (&[][..], "<NAME>"),
         (&["nothing"], "partition-complexity"),
-        (&["nothing"], "partition for all of a kind"),
+        (&["nothing"], "for all of a kind"),
         (
             &["partition-complexity", "--mesh", "back"],
             "--mesh: partition-complexity takes none",

@@ -28,7 +28,9 @@ pub fn all() -> &'static [&'static dyn Experiment] {
     &[
         &partition::Complexity,
         &partition::Completeness,
+        &partition::Passes,
         &partition::Threshold,
+        &partition::BoxSize,
         &contact::Torture,
     ]
 }
