@@ -136,33 +136,41 @@ impl Study {
     }
 
     fn poll(&mut self, wake: &Wake) {
-        if let Some((_, job)) = &self.job
+        if let Some((choice, job)) = &self.job
             && let Some(outcome) = job.poll(|| None)
         {
+            let choice = *choice;
             self.job = None;
             if let Some(built) = outcome {
                 self.built = Some(Arc::new(built));
                 self.builds += 1;
                 self.asked = None;
                 self.place = None;
+            } else {
+                // Nobody asked it to: tried again only when asked for, or it might break off for ever.
+                self.stopped = Some(choice);
+                self.fault = Some("The builder broke off".into());
             }
         }
         let wanted = self.settings.choice.effective();
         if self.stopped.is_some_and(|stopped| stopped != wanted) {
-            self.stopped = None;
+            self.go_on();
         }
         let has = self.built.as_ref().is_some_and(|b| b.choice == wanted);
         let under_way = self.job.as_ref().map(|(choice, _)| *choice);
         if has {
             // Chosen back before the other one was finished.
             self.job = None;
-        } else if under_way != Some(wanted) && self.stopped.is_none() && self.fault.is_none() {
+        } else if under_way != Some(wanted) && self.stopped.is_none() {
             let Some((scene, _)) = &self.scene else {
                 return;
             };
             match built::start(scene.surface.clone(), wanted, wake.clone()) {
                 Ok(job) => self.job = Some((wanted, job)),
-                Err(e) => self.fault = Some(format!("the builder cannot start: {e}")),
+                Err(e) => {
+                    self.stopped = Some(wanted);
+                    self.fault = Some(format!("The builder cannot start: {e}"));
+                }
             }
         }
     }

@@ -165,7 +165,7 @@ fn status_ui(ui: &mut egui::Ui, cx: &PanelContext<'_>, shown: &Shown) {
                 }
                 return;
             }
-            if shown.stopped || shown.fault.is_some() {
+            if shown.stopped {
                 let text = shown.fault.as_deref().unwrap_or("Building was stopped");
                 ui.label(RichText::new(text).color(theme.warning));
                 let build = ui
