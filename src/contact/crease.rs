@@ -27,16 +27,16 @@ impl Walk<'_> {
         }
         let own = [face.triangle; 2];
         if let Some(wall) = self.blocker(own, p, foot - p, true) {
-            return Some(Step::Go(At::Crease(*face, wall, p)));
+            return Some(Step::Go(At::Crease([face.triangle, wall.triangle], p)));
         }
         let Some(hit) = self.sheet_between(own, p, end, face.normal) else {
             let wall = self.blocker(own, end, foot - p, true)?;
-            return Some(Step::Slip(At::Crease(*face, wall, end)));
+            return Some(Step::Slip(At::Crease([face.triangle, wall.triangle], end)));
         };
         let triangle = self.surface.triangle(face.triangle);
         let q = triangle.closest_point(hit.point).point;
         Some(match Face::of(self.surface, hit.triangle) {
-            Some(other) => Step::Slip(At::Crease(*face, other, q)),
+            Some(other) => Step::Slip(At::Crease([face.triangle, other.triangle], q)),
             None => self.cornered(face.triangle, hit.point),
         })
     }
@@ -213,8 +213,8 @@ impl Walk<'_> {
         let leaving = if is_face { face } else { other };
         let next = self.surface.topology().across(leaving.triangle)[i];
         match (Face::of(self.surface, next), is_face) {
-            (Some(next), true) => Step::Slip(At::Crease(next, *other, end)),
-            (Some(next), false) => Step::Slip(At::Crease(*face, next, end)),
+            (Some(next), true) => Step::Slip(At::Crease([next.triangle, two], end)),
+            (Some(next), false) => Step::Slip(At::Crease([one, next.triangle], end)),
             (None, false) if next == RIM => Step::Slip(At::Face(*face, end)),
             (None, true) if next == RIM => Step::End(Outcome::SlidesOff(Footing {
                 triangle: face.triangle,

@@ -66,8 +66,8 @@ pub(super) enum At {
     /// On edge `.1` of a face, having come over that face.
     Edge(Face, usize, Vec3),
     Vertex(u32),
-    /// Where a face is cut by another sheet: both hold.
-    Crease(Face, Face, Vec3),
+    /// Where a face is cut by another sheet: both hold. By number, so that this rare place does not make the others large.
+    Crease([u32; 2], Vec3),
 }
 
 /// Everything a walk needs besides where it starts.
@@ -97,35 +97,38 @@ impl Walk<'_> {
             return Outcome::Lifts(start);
         };
         if let (At::Face(face, p), Some(wall)) = (at, wall) {
-            at = At::Crease(face, wall, p);
+            at = At::Crease([face.triangle, wall.triangle], p);
         }
         let mut here = start;
         for _ in 0..MAX_STEPS {
+            // By reference: a face is too large to be copied every step.
             let step = match at {
-                At::Face(face, p) => {
+                At::Face(ref face, p) => {
                     here = Footing {
                         triangle: face.triangle,
                         point: p,
                     };
-                    self.cross_face(&face, p, radius)
+                    self.cross_face(face, p, radius)
                 }
-                At::Edge(face, i, q) => {
+                At::Edge(ref face, i, q) => {
                     here = Footing {
                         triangle: face.triangle,
                         point: q,
                     };
-                    self.pass_edge(&face, i, q, radius)
+                    self.pass_edge(face, i, q, radius)
                 }
-                At::Crease(face, other, q) => {
+                At::Crease(sheets, q) => {
                     here = Footing {
-                        triangle: face.triangle,
+                        triangle: sheets[0],
                         point: q,
                     };
                     creases += 1;
-                    if creases > MAX_CREASES {
-                        break;
+                    match sheets.map(|t| Face::of(self.surface, t)) {
+                        [Some(face), Some(other)] if creases <= MAX_CREASES => {
+                            self.follow_crease(&face, &other, q, radius)
+                        }
+                        _ => break,
                     }
-                    self.follow_crease(&face, &other, q, radius)
                 }
                 At::Vertex(v) => {
                     if v != tried.vertex {
