@@ -67,6 +67,7 @@ fn free_at(p: Vec3) -> ContactState {
         touch: Touch::Free,
         proxy_mm: p,
         triangle: 0,
+        behind: false,
     }
 }
 

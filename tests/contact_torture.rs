@@ -3,8 +3,15 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use dorsum::contact::{ContactState, Stiffness, Touch, TouchScene, advance};
+use dorsum::geom::Vec3;
 use dorsum::lab::contact::{ENGINES, PLACES, SPEEDS_M_PER_S, Trial, closed_path_energy};
-use dorsum::surface::torture::all;
+use dorsum::partition::Sides;
+use dorsum::partition::bvh::Bvh;
+use dorsum::surface::torture::{Stream, Truth, all, band_place, grid, steps, twisted_band};
+use dorsum::surface::{Defect, Report, Surface};
+use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Every surface, engine, speed and place with and without friction: the proxy is on the right side, is the closest point
 /// where the free space is convex, is in a local minimum elsewhere, its pull is in the cone, and nothing comes from nothing.
@@ -41,9 +48,126 @@ fn over_a_closed_path_no_energy_comes_from_nothing() {
             let e = closed_path_energy(&case, engine, 0.7, 600).unwrap();
             assert!(e.work > 1.0, "{}: {e:?}", case.name);
             assert!(e.created <= 1e-9 * e.work, "{}: {e:?}", case.name);
-            if matches!(case.truth, dorsum::surface::torture::Truth::Cell(_)) {
+            if matches!(case.truth, Truth::Cell(_)) {
                 assert!(e.lost <= 1e-9 * e.work, "{}: {e:?}", case.name);
             }
         }
+    }
+}
+
+/// Round both sides of a strip that has only one: the finger follows it twice round, pressing all the while.
+fn twice_round(scene: &TouchScene, depth_mm: f64, step: f64) -> (usize, usize, f64) {
+    let at = |angle: f64| {
+        let [centre, across, normal] = band_place(30.0, 1, angle);
+        centre + across * 1.3 - normal * depth_mm
+    };
+    let above = |angle: f64| {
+        let [centre, across, normal] = band_place(30.0, 1, angle);
+        centre + across * 1.3 + normal * 3.0
+    };
+    let mut state = ContactState {
+        proxy_mm: above(0.3),
+        ..ContactState::default()
+    };
+    let (mut free, mut turns, mut lag) = (0, 0, 0.0_f64);
+    let n = (2.0 * TAU * 30.0 / step) as usize;
+    for i in 0..=n {
+        let hip = at(0.3 + 2.0 * TAU * i as f64 / n as f64);
+        let before = state.behind;
+        let c = advance(scene, &mut state, hip);
+        free += usize::from(c.touch == Touch::Free);
+        turns += usize::from(i > 0 && c.touch != Touch::Free && before != c.behind);
+        lag = lag.max(c.anchor_mm.distance(hip));
+        assert!((c.force_n - (c.anchor_mm - hip)).length() < 1e-9);
+    }
+    (free, turns, lag)
+}
+
+fn moebius(sides: Sides) -> (TouchScene, Report) {
+    let mesh = twisted_band(30.0, 12.0, 1, 120);
+    let (surface, report) = Surface::new(mesh).unwrap();
+    let search = Arc::new(Bvh::new(&surface));
+    let mut scene = TouchScene::new(Arc::new(surface), search, Stiffness::Uniform(1.0));
+    scene.choices.sides = sides;
+    (scene, report)
+}
+
+/// Validation cuts a Möbius strip across and says so. From the front the finger falls through where the cut turns it over;
+/// with both sides felt it goes round and round, on the back every other time.
+#[test]
+fn a_moebius_strip_is_cut_and_felt_all_the_way_round_from_both_sides() {
+    let (front, report) = moebius(Sides::Front);
+    let cut = |d: &Defect| matches!(d, Defect::NonOrientable(found) if found.count > 0);
+    assert!(report.defects.iter().any(cut), "{:?}", report.defects);
+    assert_eq!(front.surface.check(), Ok(()));
+    let (free, turns, _) = twice_round(&front, 2.0, 0.1);
+    assert!(free > 1000 && turns == 0, "{free} {turns}");
+
+    let (both, _) = moebius(Sides::Both);
+    for step in [0.01, 0.1, 1.0, 10.0] {
+        let (free, turns, lag) = twice_round(&both, 2.0, step);
+        // Facets of 3 degrees on a radius of 30 mm are 0.1 mm off the formula; corners of the path cut in 0.1 mm more.
+        assert_eq!((free, turns), (0, 2), "{step}");
+        assert!(lag < 2.0 + 0.02 * step * step + 0.4, "{step}: {lag}");
+    }
+}
+
+/// A plate from below: pressed, followed, left over the rim, and come round to the other side.
+#[test]
+fn an_open_sheet_is_felt_from_behind_and_left_round_its_rim() {
+    let at = steps(-10.0, 10.0, 7);
+    let (surface, _) = Surface::new(grid(&at, &at, |_, _| 0.0)).unwrap();
+    let search = Arc::new(Bvh::new(&surface));
+    let mut scene = TouchScene::new(Arc::new(surface), search, Stiffness::Uniform(0.5));
+    scene.choices.sides = Sides::Both;
+    let mut state = ContactState {
+        proxy_mm: Vec3::new(1.0, 2.0, -3.0),
+        ..ContactState::default()
+    };
+    let mut go = |x: f64, z: f64| advance(&scene, &mut state, Vec3::new(x, 2.0, z));
+    let c = go(1.0, 4.0);
+    assert!(c.behind && c.normal == -Vec3::Z && (c.depth_mm - 4.0).abs() < 1e-12);
+    assert!((c.force_n + Vec3::Z * 2.0).length() < 1e-12);
+    assert_eq!(c.anchor_mm, Vec3::new(1.0, 2.0, 0.0));
+    // On the sheet itself: held without force, on the side it came from; and let go there.
+    let c = go(3.0, 0.0);
+    assert!(c.behind && c.force_n == Vec3::ZERO && c.touch == Touch::Frictionless);
+    assert!(go(3.0, 1e-9).behind);
+    assert_eq!(go(3.0, -1e-9).touch, Touch::Free);
+    assert!(go(3.0, 2.0).behind);
+    assert!(go(9.9, 2.0).behind);
+    assert_eq!(go(10.1, 2.0).touch, Touch::Free);
+    // Round the rim to the front.
+    assert_eq!(go(9.0, 2.0).touch, Touch::Free);
+    let c = go(9.0, -1.5);
+    assert!(!c.behind && c.normal == Vec3::Z && (c.depth_mm - 1.5).abs() < 1e-12);
+    assert_eq!(go(10.1, -1.5).touch, Touch::Free);
+    assert_eq!(go(9.0, -1.5).touch, Touch::Free);
+    assert!(go(9.0, 1.5).behind);
+}
+
+/// Two open sheets 0.1 mm apart, felt from both sides: the finger between them stays between them.
+#[test]
+fn between_two_sheets_the_finger_is_kept_by_both() {
+    let case = all(1)
+        .into_iter()
+        .find(|c| c.name == "two sheets 0.1 mm")
+        .unwrap();
+    let (surface, _) = Surface::new(case.mesh).unwrap();
+    let search = Arc::new(Bvh::new(&surface));
+    let mut scene = TouchScene::new(Arc::new(surface), search, Stiffness::Uniform(1.0));
+    scene.choices.sides = Sides::Both;
+    let mut stream = Stream(3);
+    let mut state = ContactState {
+        proxy_mm: Vec3::new(0.3, 0.2, -0.05),
+        ..ContactState::default()
+    };
+    for _ in 0..4000 {
+        let hip = stream.vector() * Vec3::new(12.0, 12.0, 3.0);
+        let c = advance(&scene, &mut state, hip);
+        let expected = Vec3::new(hip.x, hip.y, hip.z.clamp(-0.1, 0.0));
+        assert!(c.anchor_mm.distance(expected) < 1e-9, "{hip}: {c:?}");
+        // Validation turns both to face up, so the upper one is felt on its back.
+        assert_eq!(c.behind, hip.z > 0.0);
     }
 }

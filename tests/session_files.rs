@@ -63,6 +63,7 @@ fn record() -> impl Strategy<Value = FingerRecord> {
         contact: Contact {
             touch,
             triangle: n.2,
+            behind: n.2 % 2 == 1,
             anchor_mm: p.0,
             foot_mm: p.1,
             normal: p.2,

@@ -13,6 +13,9 @@ use crate::surface::RIM;
 /// How near the corner that two triangles share a motion just above one must meet the other for that to be the joint itself,
 /// in lifts: with angles of 1/1024 between them.
 const JOINT_LIFTS: f64 = 1024.0;
+/// How far from a second sheet a proxy stops that is stopped by both sides, in lifts: out of reach of a motion one lift above
+/// the first.
+const SHORT_LIFTS: f64 = 8.0;
 /// Planes whose unit normals add up to less, squared and halved, are one plane seen from both sides.
 const PARALLEL: f64 = 1e-12;
 /// Sine of the angle between a line and an edge below which they run alongside each other.
@@ -26,19 +29,52 @@ impl Walk<'_> {
             return None;
         }
         let own = [face.triangle; 2];
+        if self.sides == Sides::Both {
+            return self.stopped_short(face, p, end);
+        }
         if let Some(wall) = self.blocker(own, p, foot - p, true) {
-            return Some(Step::Go(At::Crease([face.triangle, wall.triangle], p)));
+            return Some(Step::Go(At::crease(face, &wall, p)));
         }
         let Some(hit) = self.sheet_between(own, p, end, face.normal) else {
             let wall = self.blocker(own, end, foot - p, true)?;
-            return Some(Step::Slip(At::Crease([face.triangle, wall.triangle], end)));
+            return Some(Step::Slip(At::crease(face, &wall, end)));
         };
         let triangle = self.surface.triangle(face.triangle);
         let q = triangle.closest_point(hit.point).point;
-        Some(match Face::of(self.surface, hit.triangle) {
-            Some(other) => Step::Slip(At::Crease([face.triangle, other.triangle], q)),
+        Some(match self.face(hit.triangle) {
+            Some(other) => Step::Slip(At::crease(face, &other, q)),
             None => self.cornered(face.triangle, hit.point),
         })
+    }
+
+    /// [`stopped`](Self::stopped) where both sides of every sheet stop a motion. Which side of another sheet the proxy is on is
+    /// known from its motion alone, so it never comes to stand on two sheets: it stops short of the second.
+    fn stopped_short(&self, face: &Face, p: Vec3, end: Vec3) -> Option<Step> {
+        let beyond = end + unit_or(end - p, Vec3::ZERO) * (SHORT_LIFTS * self.lift);
+        let hit = self.sheet_between([face.triangle; 2], p, beyond, face.normal)?;
+        let Some(other) = self.face_on(hit.triangle, !hit.inward) else {
+            return Some(self.cornered(face.triangle, p));
+        };
+        let line = unit_or(face.normal.cross(other.normal), Vec3::ZERO);
+        let up = line.cross(face.normal);
+        let away = up * up.dot(other.normal).signum();
+        let steep = away.dot(other.normal).max(1.0 / SHORT_LIFTS);
+        let back = away * (SHORT_LIFTS * self.lift / steep);
+        let triangle = self.surface.triangle(face.triangle);
+        let q = triangle.closest_point(hit.point + back).point;
+        Some(Step::Slip(At::crease(face, &other, q)))
+    }
+
+    /// On over `other`, on the side it shows.
+    fn over_to(&self, other: &Face, q: Vec3) -> Step {
+        if other.behind() == self.behind {
+            return Step::Go(At::Face(*other, q));
+        }
+        Step::End(Outcome::Over(Footing {
+            triangle: other.triangle,
+            point: q,
+            behind: other.behind(),
+        }))
     }
 
     /// The sheet that a proxy standing at `p` against it would enter by moving `ahead`: of those that touch the place,
@@ -47,9 +83,12 @@ impl Walk<'_> {
     /// A `wall` rises above the triangles stood on. A triangle that the motion leads away from over an edge is not in the way,
     /// nor one that lies in the plane stood on, faces the other way and ends there: the underside of what stands there.
     pub(super) fn blocker(&self, own: [u32; 2], p: Vec3, ahead: Vec3, wall: bool) -> Option<Face> {
+        if self.sides == Sides::Both {
+            return None;
+        }
         let corners = |t: u32| self.surface.triangles()[t as usize];
         let stood_on = own.map(corners);
-        let up = own.map(|t| self.surface.triangle(t).normal());
+        let up = own.map(|t| self.out(self.surface.triangle(t).normal()));
         let touch = TOUCH_LIFTS * self.lift;
         let rises = |face: &Face| {
             face.corners.iter().any(|&c| {
@@ -66,7 +105,7 @@ impl Walk<'_> {
             {
                 return;
             }
-            let Some(face) = Face::of(self.surface, t) else {
+            let Some(face) = self.face(t) else {
                 return;
             };
             let inward = ahead.dot(face.normal);
@@ -89,7 +128,8 @@ impl Walk<'_> {
         let across = self.surface.topology().across(face.triangle);
         (0..3).any(|i| {
             face.rate(i, p - face.corners[i]) <= TOUCH_LIFTS * self.lift
-                && Face::of(self.surface, across[i])
+                && self
+                    .face(across[i])
                     .is_none_or(|next| next.normal.dot(face.normal) < 1.0 - PARALLEL)
         })
     }
@@ -106,7 +146,7 @@ impl Walk<'_> {
         let up = above * self.lift;
         let hit = self
             .search
-            .sweep(self.surface, p + up, end + up, Sides::Front)?;
+            .sweep(self.surface, p + up, end + up, self.sides)?;
         let corners = |t: u32| self.surface.triangles()[t as usize];
         let joined = own.iter().any(|&t| {
             let other = corners(hit.triangle);
@@ -130,7 +170,7 @@ impl Walk<'_> {
         Step::End(Outcome::Rests(Rest {
             triangle,
             proxy,
-            normal: unit_or(up, self.surface.triangle(triangle).normal()),
+            normal: unit_or(up, self.out(self.surface.triangle(triangle).normal())),
             depth: up.length(),
             foot: proxy,
             slipped: true,
@@ -140,10 +180,7 @@ impl Walk<'_> {
     /// Along the line where `face` and `other`, of two sheets, meet: up one of them where that leads down to the HIP, else
     /// along the line.
     pub(super) fn follow_crease(&self, face: &Face, other: &Face, q: Vec3, radius: f64) -> Step {
-        let stay = Footing {
-            triangle: face.triangle,
-            point: q,
-        };
+        let stay = self.footing(face.triangle, q);
         let line = unit_or(face.normal.cross(other.normal), Vec3::ZERO);
         let down = self.hip - q;
         if line == Vec3::ZERO {
@@ -161,7 +198,7 @@ impl Walk<'_> {
             return Step::Go(At::Face(*face, q));
         }
         if !above[1] && down.dot(outward(up_other, face.normal)) > self.lift {
-            return Step::Go(At::Face(*other, q));
+            return self.over_to(other, q);
         }
         let along = down.dot(line);
         let across_mm = down - line * along;
@@ -212,14 +249,13 @@ impl Walk<'_> {
         };
         let leaving = if is_face { face } else { other };
         let next = self.surface.topology().across(leaving.triangle)[i];
-        match (Face::of(self.surface, next), is_face) {
-            (Some(next), true) => Step::Slip(At::Crease([next.triangle, two], end)),
-            (Some(next), false) => Step::Slip(At::Crease([one, next.triangle], end)),
+        match (self.face_on(next, leaving.behind()), is_face) {
+            (Some(next), true) => Step::Slip(At::crease(&next, other, end)),
+            (Some(next), false) => Step::Slip(At::crease(face, &next, end)),
             (None, false) if next == RIM => Step::Slip(At::Face(*face, end)),
-            (None, true) if next == RIM => Step::End(Outcome::SlidesOff(Footing {
-                triangle: face.triangle,
-                point: end,
-            })),
+            (None, true) if next == RIM => {
+                Step::End(Outcome::SlidesOff(self.footing(face.triangle, end)))
+            }
             _ => rest(end, true),
         }
     }

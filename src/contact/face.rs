@@ -11,9 +11,9 @@ pub(super) struct Face {
     pub(super) corners: [Vec3; 3],
     /// Edge `i` from corner `i` to corner `i + 1`, mm.
     pub(super) edges: [Vec3; 3],
-    /// Outward unit normal.
+    /// Unit normal to the side that the proxy is on.
     pub(super) normal: Vec3,
-    /// Twice the area times the normal, mm².
+    /// Twice the area times the outward normal, mm².
     area_normal: Vec3,
 }
 
@@ -56,10 +56,23 @@ impl Face {
             .dot(self.edges[i].cross(p - self.corners[i]))
     }
 
+    /// Whether the proxy is on the back.
+    pub(super) fn behind(&self) -> bool {
+        self.normal.dot(self.area_normal) < 0.0
+    }
+
+    /// The same face with its normal out of the back. Edges and corners stay in the order seen from the front.
+    pub(super) fn seen_from_behind(self) -> Self {
+        Self {
+            normal: -self.normal,
+            ..self
+        }
+    }
+
     /// How far a motion leads inward across edge `i`, mm; negative outward.
     pub(super) fn rate(&self, i: usize, motion: Vec3) -> f64 {
-        let across = self.normal.cross(self.edges[i]);
-        across.dot(motion) / self.edges[i].length()
+        let across = self.area_normal.cross(self.edges[i]);
+        across.dot(motion) / across.length()
     }
 
     /// Whether a motion from `p` leads straight away over an edge that `p` lies on or beyond, to within `slack_mm`.

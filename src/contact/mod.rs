@@ -13,7 +13,7 @@ pub mod published;
 mod walk;
 
 use crate::geom::Vec3;
-use crate::partition::{Partition, bvh::Bvh};
+use crate::partition::{Partition, Sides, bvh::Bvh};
 use crate::surface::Surface;
 use std::sync::Arc;
 
@@ -46,6 +46,9 @@ pub struct Choices {
     pub force: ForceModel,
     /// Radius of the finger pad, mm; 0, or what is not a length: the finger is a point.
     pub finger_radius_mm: f64,
+    /// From which sides the surface stops the finger. From the back only an open sheet is meant to be felt; a finger that
+    /// starts inside a closed body is then kept in. A pad and the published pass feel the front only.
+    pub sides: Sides,
 }
 
 impl Choices {
@@ -179,6 +182,8 @@ pub struct ContactState {
     pub proxy_mm: Vec3,
     /// Triangle the proxy is on; 0 when free.
     pub triangle: u32,
+    /// The proxy is on the back of its triangle.
+    pub behind: bool,
 }
 
 /// The outcome of one tick for one finger. All finite. When free: normal, depth, stiffness and force are zero and all
@@ -189,6 +194,8 @@ pub struct Contact {
     pub touch: Touch,
     /// Triangle the proxy is on; 0 when free.
     pub triangle: u32,
+    /// The proxy is on the back of its triangle, and the normal points out of that; only where both sides are felt.
+    pub behind: bool,
     /// Where friction holds the skin: the proxy. Without friction the same as `foot_mm`. METHOD's A.
     pub anchor_mm: Vec3,
     /// The HIP's foot on the tangent plane at the proxy. METHOD's P.

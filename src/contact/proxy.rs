@@ -55,6 +55,7 @@ pub(super) fn advance(scene: &TouchScene, state: &mut ContactState, hip: Hip) ->
         };
         let touching = on_surface.then_some(state.triangle);
         pad.follow(state.proxy_mm, touching, slipping)
+            .map(|rest| (rest, false))
     } else {
         let walk = Walk {
             surface: &scene.surface,
@@ -62,20 +63,26 @@ pub(super) fn advance(scene: &TouchScene, state: &mut ContactState, hip: Hip) ->
             hip: hip_mm,
             cone,
             lift,
+            sides: scene.choices.sides,
+            behind: on_surface && state.behind,
         };
         if on_surface {
             let here = Footing {
                 triangle: state.triangle,
                 point: state.proxy_mm,
+                behind: state.behind,
             };
-            follow(scene, &walk, here, slipping)
+            follow(scene, walk, here, slipping)
         } else {
             approach(scene, &walk, state.proxy_mm)
-                .and_then(|footing| follow(scene, &walk, footing, false))
+                .and_then(|footing| follow(scene, walk, footing, false))
         }
     };
     let contact = match rest {
-        Some(rest) => felt(scene, &rest, cone, hip),
+        Some((rest, behind)) => Contact {
+            behind,
+            ..felt(scene, &rest, cone, hip)
+        },
         None => Contact {
             anchor_mm: hip_mm,
             foot_mm: hip_mm,
@@ -86,6 +93,7 @@ pub(super) fn advance(scene: &TouchScene, state: &mut ContactState, hip: Hip) ->
         touch: contact.touch,
         proxy_mm: contact.anchor_mm,
         triangle: contact.triangle,
+        behind: contact.behind,
     };
     contact
 }
@@ -100,10 +108,12 @@ pub(super) fn waiting(scene: &TouchScene, state: &ContactState, on_surface: bool
     if !on_surface {
         return idle;
     }
+    let out = scene.surface.triangle(state.triangle).normal();
     Contact {
         touch: state.touch,
         triangle: state.triangle,
-        normal: scene.surface.triangle(state.triangle).normal(),
+        behind: state.behind,
+        normal: if state.behind { -out } else { out },
         stiffness_n_per_mm: stiffness_at(scene, state.triangle, state.proxy_mm),
         ..idle
     }
@@ -114,6 +124,9 @@ pub(super) fn waiting(scene: &TouchScene, state: &ContactState, on_surface: bool
 /// A proxy that came to stand on the surface, or by a rounding below, is stopped where it goes in: by the triangle most in
 /// its way, from which the walk goes on, since by a rounding a sweep can slip through where two of them meet.
 fn approach(scene: &TouchScene, walk: &Walk, from: Vec3) -> Option<Footing> {
+    if walk.sides == Sides::Both {
+        return land(scene, walk, from, None);
+    }
     let motion = walk.hip - from;
     let touch = TOUCH_LIFTS * walk.lift;
     let mut most = 0.0;
@@ -125,44 +138,100 @@ fn approach(scene: &TouchScene, walk: &Walk, from: Vec3) -> Option<Footing> {
             let point = triangle.closest_point(from).point;
             if point.distance_squared(from) <= touch * touch {
                 most = inward;
-                stands_on = Some(Footing { triangle: t, point });
+                stands_on = Some(walk.footing(t, point));
             }
         }
     });
-    stands_on.or_else(|| {
-        let sweep = (scene.search).sweep(&scene.surface, from, walk.hip, Sides::Front);
-        sweep.map(|hit| landing(scene, hit))
-    })
+    stands_on.or_else(|| land(scene, walk, from, None))
 }
 
-fn landing(scene: &TouchScene, hit: Hit) -> Footing {
-    Footing {
-        triangle: hit.triangle,
-        point: scene
-            .surface
-            .triangle(hit.triangle)
-            .closest_point(hit.point)
-            .point,
+/// Where the motion from `from` to the HIP meets the surface.
+///
+/// Where both sides are felt, a HIP that comes to lie on the surface has landed too, so that a free one is always clearly on
+/// one side of everything. A proxy that leaves the surface from `leaving` does not land on the other side of what it is
+/// joined to there: the motion begins a little beside the proxy.
+fn land(scene: &TouchScene, walk: &Walk, from: Vec3, leaving: Option<Footing>) -> Option<Footing> {
+    let surface = &scene.surface;
+    let mut start = from;
+    for _ in 0..MAX_IN_PLACE {
+        let Some(hit) = scene.search.sweep(surface, start, walk.hip, walk.sides) else {
+            break;
+        };
+        let joint = leaving.is_some_and(|footing| {
+            let corners = |t: u32| surface.triangles()[t as usize];
+            hit.inward == footing.behind
+                && hit.point.distance(footing.point) <= 4.0 * WITNESS_LIFTS * walk.lift
+                && corners(hit.triangle)
+                    .iter()
+                    .any(|v| corners(footing.triangle).contains(v))
+        });
+        if !joint {
+            let lands = landing(scene, hit);
+            return match walk.sides {
+                Sides::Front => Some(lands),
+                Sides::Both => lying_on(scene, walk, hit.point, start).or(Some(lands)),
+            };
+        }
+        start = hit.point + unit_or(walk.hip - start, Vec3::ZERO) * walk.lift;
+    }
+    match walk.sides {
+        Sides::Front => None,
+        Sides::Both => lying_on(scene, walk, walk.hip, from),
     }
 }
 
-/// Follows the HIP from a place on the surface; `None` where it ends free.
-fn follow(scene: &TouchScene, walk: &Walk, start: Footing, slipping: bool) -> Option<Rest> {
+/// The triangle that a point lies on which was reached from `from`, and the side of it: of several, that of the one nearest
+/// to where the point came from, and of those in line the most upright one. So an edge is not taken from the wrong side.
+fn lying_on(scene: &TouchScene, walk: &Walk, at: Vec3, from: Vec3) -> Option<Footing> {
+    let before = at + (from - at).clamp_length_max(WITNESS_LIFTS * walk.lift);
+    let mut nearest = (f64::INFINITY, 0.0);
+    let mut lies_on = None;
+    scene.search.around(at, walk.lift, |t| {
+        let triangle = scene.surface.triangle(t);
+        let point = triangle.closest_point(at).point;
+        if point.distance_squared(at) > walk.lift * walk.lift {
+            return;
+        }
+        let apart = before - triangle.closest_point(before).point;
+        let height = apart.dot(triangle.normal());
+        let rank = (apart.length_squared(), -height.abs());
+        if rank < nearest {
+            nearest = rank;
+            lies_on = Some(Footing {
+                triangle: t,
+                point,
+                behind: height < 0.0,
+            });
+        }
+    });
+    lies_on
+}
+
+fn landing(scene: &TouchScene, hit: Hit) -> Footing {
+    let triangle = scene.surface.triangle(hit.triangle);
+    Footing {
+        triangle: hit.triangle,
+        point: triangle.closest_point(hit.point).point,
+        behind: !hit.inward,
+    }
+}
+
+/// Follows the HIP from a place on the surface; `None` where it ends free. Also tells whether it rests on the back.
+fn follow(scene: &TouchScene, walk: Walk, start: Footing, slipping: bool) -> Option<(Rest, bool)> {
     let mut here = start;
     let mut slipping = slipping;
     let mut wall = None;
     let mut in_place = 0;
     for _ in 0..MAX_LANDINGS {
-        let outcome = walk.run(here, wall, slipping);
+        let walk = walk.on_side_of(here);
+        let outcome = walk.run(here, wall.take(), slipping);
         slipping = false;
         if let Outcome::Lifts(footing) | Outcome::SlidesOff(footing) = outcome {
-            in_place = if footing.point == here.point {
-                in_place + 1
-            } else {
-                0
-            };
-            let next = against(scene, walk, footing);
-            if let Some((triangle, ahead)) = next.filter(|_| in_place < MAX_IN_PLACE) {
+            let here_still = footing.point.distance(here.point) <= 4.0 * WITNESS_LIFTS * walk.lift;
+            in_place = if here_still { in_place + 1 } else { 0 };
+            if in_place < MAX_IN_PLACE
+                && let Some((triangle, ahead)) = against(scene, &walk, footing)
+            {
                 here = Footing {
                     triangle,
                     ..footing
@@ -170,36 +239,48 @@ fn follow(scene: &TouchScene, walk: &Walk, start: Footing, slipping: bool) -> Op
                 wall = ahead;
                 continue;
             }
-            wall = None;
         }
-        let hit = match outcome {
-            Outcome::Rests(rest) => return Some(rest),
+        here = match outcome {
+            Outcome::Rests(rest) => return Some((rest, walk.behind)),
+            Outcome::Over(footing) => footing,
             Outcome::Lifts(footing) => {
-                let w = witness(scene, walk, footing);
-                scene
-                    .search
-                    .sweep(&scene.surface, w, walk.hip, Sides::Front)
+                let w = witness(scene, &walk, footing);
+                land(scene, &walk, w, Some(footing))?
             }
             Outcome::SlidesOff(footing) => {
-                let w = witness(scene, walk, footing);
-                let normal = scene.surface.triangle(footing.triangle).normal();
+                let w = witness(scene, &walk, footing);
+                let normal = walk.out(scene.surface.triangle(footing.triangle).normal());
                 let down = walk.hip - footing.point;
                 let ahead = unit_or(down - normal * down.dot(normal), Vec3::ZERO);
                 let beyond =
                     footing.point + ahead * (WITNESS_LIFTS * walk.lift) + normal * walk.lift;
-                let sweep = |a, b| scene.search.sweep(&scene.surface, a, b, Sides::Front);
-                sweep(w, beyond).or_else(|| sweep(beyond, walk.hip))
+                if in_place >= MAX_IN_PLACE && !scene.search.is_crossed(footing.triangle) {
+                    // Off the corner of a jagged rim, where the way ahead leads back over the sheet: straight down.
+                    let below = down.clamp_length_max(WITNESS_LIFTS * walk.lift);
+                    here = land(scene, &walk, footing.point + below, None)?;
+                    continue;
+                }
+                match scene.search.sweep(&scene.surface, w, beyond, walk.sides) {
+                    Some(hit) if walk.sides == Sides::Both && in_place < MAX_IN_PLACE => {
+                        wall = walk.face_on(hit.triangle, !hit.inward);
+                        footing
+                    }
+                    Some(hit) => landing(scene, hit),
+                    None => land(scene, &walk, beyond, None)?,
+                }
             }
         };
-        here = landing(scene, hit?);
     }
-    Some(walk.rest_in_plane(here))
+    let walk = walk.on_side_of(here);
+    Some((walk.rest_in_plane(here), walk.behind))
 }
 
 /// Where a proxy leaving `footing` goes on although it is not joined to it: against a sheet that rises there, or over to one
 /// that goes on from it.
 fn against(scene: &TouchScene, walk: &Walk, footing: Footing) -> Option<(u32, Option<Face>)> {
-    let Footing { triangle, point } = footing;
+    let Footing {
+        triangle, point, ..
+    } = footing;
     if !scene.search.is_crossed(triangle) {
         return None;
     }
@@ -208,17 +289,18 @@ fn against(scene: &TouchScene, walk: &Walk, footing: Footing) -> Option<(u32, Op
         .or_else(|| find(false).map(|face| (face.triangle, None)))
 }
 
-/// A point just above the triangle of `footing` and a little inside it.
+/// A point just above the triangle of `footing` and a little inside it: but not past another sheet.
 fn witness(scene: &TouchScene, walk: &Walk, footing: Footing) -> Vec3 {
     let triangle = scene.surface.triangle(footing.triangle);
     let inward = triangle.centroid() - footing.point;
     let length = inward.length();
-    let share = if length > 0.0 {
+    let beside = walk.sides == Sides::Both && scene.search.is_crossed(footing.triangle);
+    let share = if length > 0.0 && !beside {
         (WITNESS_LIFTS * walk.lift / length).min(0.5)
     } else {
         0.0
     };
-    footing.point + inward * share + triangle.normal() * walk.lift
+    footing.point + inward * share + walk.out(triangle.normal()) * walk.lift
 }
 
 fn stiffness_at(scene: &TouchScene, triangle: u32, p: Vec3) -> f64 {
@@ -249,6 +331,7 @@ pub(super) fn felt(scene: &TouchScene, rest: &Rest, cone: Cone, hip: Hip) -> Con
     Contact {
         touch,
         triangle: rest.triangle,
+        behind: false,
         anchor_mm: rest.proxy,
         foot_mm,
         normal: rest.normal,

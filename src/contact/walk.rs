@@ -14,6 +14,7 @@
 use super::face::Face;
 use super::friction::Cone;
 use crate::geom::{Vec3, unit_or};
+use crate::partition::Sides;
 use crate::partition::bvh::Bvh;
 use crate::surface::{RIM, Surface};
 
@@ -37,6 +38,8 @@ pub(super) enum Outcome {
     Lifts(Footing),
     /// The HIP is beyond a rim.
     SlidesOff(Footing),
+    /// The way leads on over another sheet, on its other side.
+    Over(Footing),
 }
 
 /// A proxy in contact.
@@ -58,6 +61,8 @@ pub(super) struct Rest {
 pub(super) struct Footing {
     pub(super) triangle: u32,
     pub(super) point: Vec3,
+    /// On the back of the triangle.
+    pub(super) behind: bool,
 }
 
 #[derive(Clone, Copy)]
@@ -66,11 +71,19 @@ pub(super) enum At {
     /// On edge `.1` of a face, having come over that face.
     Edge(Face, usize, Vec3),
     Vertex(u32),
-    /// Where a face is cut by another sheet: both hold. By number, so that this rare place does not make the others large.
-    Crease([u32; 2], Vec3),
+    /// Where a face is cut by another sheet, of which the proxy is on the back or not: both hold. By number, so that this
+    /// rare place does not make the others large.
+    Crease([u32; 2], bool, Vec3),
+}
+
+impl At {
+    pub(super) fn crease(face: &Face, other: &Face, q: Vec3) -> Self {
+        Self::Crease([face.triangle, other.triangle], other.behind(), q)
+    }
 }
 
 /// Everything a walk needs besides where it starts.
+#[derive(Clone, Copy)]
 pub(super) struct Walk<'a> {
     pub(super) surface: &'a Surface,
     pub(super) search: &'a Bvh,
@@ -79,9 +92,49 @@ pub(super) struct Walk<'a> {
     /// How far above a plane the HIP must be to have left it, mm: above the rounding of heights, so that a HIP on the
     /// surface stays in contact, with no force.
     pub(super) lift: f64,
+    /// What other sheets stop a motion.
+    pub(super) sides: Sides,
+    /// The proxy is on the back of its triangle.
+    pub(super) behind: bool,
 }
 
 impl Walk<'_> {
+    /// The same walk on the side of `footing`.
+    pub(super) fn on_side_of(&self, footing: Footing) -> Self {
+        Self {
+            behind: footing.behind,
+            ..*self
+        }
+    }
+
+    /// The triangle as it looks from the side that the proxy is on.
+    pub(super) fn face(&self, triangle: u32) -> Option<Face> {
+        self.face_on(triangle, self.behind)
+    }
+
+    /// The triangle as it looks from its back or its front.
+    pub(super) fn face_on(&self, triangle: u32, behind: bool) -> Option<Face> {
+        let face = Face::of(self.surface, triangle)?;
+        Some(if behind {
+            face.seen_from_behind()
+        } else {
+            face
+        })
+    }
+
+    /// A normal of the surface, seen from the side that the proxy is on.
+    pub(super) fn out(&self, normal: Vec3) -> Vec3 {
+        if self.behind { -normal } else { normal }
+    }
+
+    pub(super) fn footing(&self, triangle: u32, point: Vec3) -> Footing {
+        Footing {
+            triangle,
+            point,
+            behind: self.behind,
+        }
+    }
+
     /// Walks from `start`, where it stands against `wall` if there is one. `slipping` says whether friction is dynamic from
     /// the start.
     pub(super) fn run(&self, start: Footing, wall: Option<Face>, slipping: bool) -> Outcome {
@@ -97,33 +150,24 @@ impl Walk<'_> {
             return Outcome::Lifts(start);
         };
         if let (At::Face(face, p), Some(wall)) = (at, wall) {
-            at = At::Crease([face.triangle, wall.triangle], p);
+            at = At::crease(&face, &wall, p);
         }
         let mut here = start;
         for _ in 0..MAX_STEPS {
             // By reference: a face is too large to be copied every step.
             let step = match at {
                 At::Face(ref face, p) => {
-                    here = Footing {
-                        triangle: face.triangle,
-                        point: p,
-                    };
+                    here = self.footing(face.triangle, p);
                     self.cross_face(face, p, radius)
                 }
                 At::Edge(ref face, i, q) => {
-                    here = Footing {
-                        triangle: face.triangle,
-                        point: q,
-                    };
+                    here = self.footing(face.triangle, q);
                     self.pass_edge(face, i, q, radius)
                 }
-                At::Crease(sheets, q) => {
-                    here = Footing {
-                        triangle: sheets[0],
-                        point: q,
-                    };
+                At::Crease([one, two], behind, q) => {
+                    here = self.footing(one, q);
                     creases += 1;
-                    match sheets.map(|t| Face::of(self.surface, t)) {
+                    match [self.face(one), self.face_on(two, behind)] {
                         [Some(face), Some(other)] if creases <= MAX_CREASES => {
                             self.follow_crease(&face, &other, q, radius)
                         }
@@ -160,7 +204,7 @@ impl Walk<'_> {
 
     /// A rest at `here` however far the walk has come, on the plane of its triangle, with no more pull than friction holds.
     pub(super) fn rest_in_plane(&self, here: Footing) -> Rest {
-        let (normal, height) = match Face::of(self.surface, here.triangle) {
+        let (normal, height) = match self.face(here.triangle) {
             Some(face) => (face.normal, face.height(self.hip)),
             None => (unit_or(here.point - self.hip, Vec3::Z), 0.0),
         };
@@ -179,8 +223,10 @@ impl Walk<'_> {
 
     /// Starts on `triangle`, or beyond it where it is too thin to have a plane.
     fn on_face(&self, start: Footing) -> Option<At> {
-        let Footing { triangle, point: p } = start;
-        if let Some(face) = Face::of(self.surface, triangle) {
+        let Footing {
+            triangle, point: p, ..
+        } = start;
+        if let Some(face) = self.face(triangle) {
             return Some(At::Face(face, p));
         }
         let vertices = self.surface.triangles().get(triangle as usize)?;
@@ -258,7 +304,7 @@ impl Walk<'_> {
                 return Step::Go(self.onto_edge(face, i, p));
             }
             let across = self.surface.topology().across(face.triangle)[i];
-            if let Some(other) = Face::of(self.surface, across)
+            if let Some(other) = self.face(across)
                 && other.height(self.hip) <= self.lift
                 && face.height(other.corners[(other.edge_from(face.vertices[(i + 1) % 3]) + 2) % 3])
                     > self.lift
@@ -266,10 +312,7 @@ impl Walk<'_> {
                 return Step::Go(At::Face(other, p));
             }
         }
-        Step::End(Outcome::Lifts(Footing {
-            triangle: face.triangle,
-            point: p,
-        }))
+        Step::End(Outcome::Lifts(self.footing(face.triangle, p)))
     }
 
     /// The point of edge `i` nearest to `q`, or its end.
@@ -286,15 +329,12 @@ impl Walk<'_> {
     }
 
     fn pass_edge(&self, face: &Face, i: usize, q: Vec3, radius: f64) -> Step {
-        let here = Footing {
-            triangle: face.triangle,
-            point: q,
-        };
+        let here = self.footing(face.triangle, q);
         let across = self.surface.topology().across(face.triangle)[i];
         if across == RIM {
             return Step::End(Outcome::SlidesOff(here));
         }
-        let Some(other) = Face::of(self.surface, across) else {
+        let Some(other) = self.face(across) else {
             return Step::Go(self.over_sliver(face, i, across, q));
         };
         let back = other.edge_from(face.vertices[(i + 1) % 3]);
@@ -314,10 +354,7 @@ impl Walk<'_> {
             } else {
                 &other
             };
-            return Step::End(Outcome::Lifts(Footing {
-                triangle: higher.triangle,
-                point: q,
-            }));
+            return Step::End(Outcome::Lifts(self.footing(higher.triangle, q)));
         }
         let direction = unit_or(face.edges[i], Vec3::ZERO);
         let along = down.dot(direction);
@@ -389,7 +426,7 @@ impl Walk<'_> {
         };
         match self.surface.topology().across(sliver)[j] {
             RIM => At::Vertex(face.vertices[nearer]),
-            beyond => match Face::of(self.surface, beyond) {
+            beyond => match self.face(beyond) {
                 Some(next) => At::Face(next, q),
                 None => At::Vertex(face.vertices[nearer]),
             },
@@ -413,7 +450,7 @@ impl Walk<'_> {
             }
         };
         for &t in topology.triangles_of(v) {
-            let Some(face) = Face::of(self.surface, t) else {
+            let Some(face) = self.face(t) else {
                 continue;
             };
             let out = face.edge_from(v);
@@ -439,7 +476,7 @@ impl Walk<'_> {
         let Some((height, triangle)) = highest else {
             return Step::End(Outcome::Rests(self.rest_in_plane(from)));
         };
-        let here = Footing { triangle, point: p };
+        let here = self.footing(triangle, p);
         if let Some((rate, way, at)) = best {
             tried.way = Some((rate, way));
             return Step::Slip(at);
@@ -448,14 +485,14 @@ impl Walk<'_> {
         if open && tangential > self.lift * self.lift {
             return Step::End(Outcome::SlidesOff(here));
         }
-        if !open && down.dot(self.surface.normals()[v as usize]) > self.lift {
+        if !open && down.dot(self.out(self.surface.normals()[v as usize])) > self.lift {
             return Step::End(Outcome::Lifts(here));
         }
         let depth = down.length();
         Step::End(Outcome::Rests(Rest {
             triangle,
             proxy: p,
-            normal: unit_or(-down, self.surface.normals()[v as usize]),
+            normal: unit_or(-down, self.out(self.surface.normals()[v as usize])),
             depth,
             foot: p,
             slipped: true,

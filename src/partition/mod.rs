@@ -41,12 +41,28 @@ pub struct Hit {
 }
 
 /// Which crossings stop a motion.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sides {
     /// Only from outside to inside: what comes up from below passes.
+    #[default]
     Front,
     /// Both.
     Both,
+}
+
+impl Sides {
+    /// Every choice.
+    pub fn all() -> &'static [Self] {
+        &[Self::Front, Self::Both]
+    }
+
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Front => "front",
+            Self::Both => "both",
+        }
+    }
 }
 
 /// One search structure over one surface. The surface is passed to each query and must be the one it was built from.

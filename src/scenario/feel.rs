@@ -3,6 +3,7 @@
 use super::ScenarioError;
 use super::check::Check;
 use crate::contact::{Choices, ForceModel, published};
+use crate::partition::Sides;
 use crate::partition::hdb::Query;
 use crate::partition::tree::Case;
 use serde::Deserialize;
@@ -30,6 +31,7 @@ pub(super) struct ContactTable {
     hdb_part: Option<Spanned<f64>>,
     query: Option<Spanned<String>>,
     finger_radius_mm: Option<Spanned<f64>>,
+    sides: Option<Spanned<String>>,
 }
 
 /// Most triangles in a leaf allowed.
@@ -43,7 +45,15 @@ impl Check<'_> {
         contact: Option<&ContactTable>,
     ) -> Result<Choices, ScenarioError> {
         let radius = contact.and_then(|t| t.finger_radius_mm.as_ref());
+        let sides = match contact.and_then(|t| t.sides.as_ref()) {
+            Some(sides) => {
+                let names: Vec<_> = Sides::all().iter().map(|s| (s.name(), *s)).collect();
+                self.choice("sides", sides, &names)?
+            }
+            None => Sides::default(),
+        };
         Ok(Choices {
+            sides,
             finger_radius_mm: self.number_or("finger_radius_mm", radius, 0.0..=50.0, 0.0)?,
             force: force.map_or(Ok(ForceModel::default()), |t| self.force(t))?,
         })
@@ -189,6 +199,17 @@ mod tests {
             "format = 1\nname = \"T\"\nsurface.builtin = \"back\"\nstiffness.constant_n_per_mm = 1\n{tables}"
         );
         Scenario::parse(&text, "a.toml", None)
+    }
+
+    #[test]
+    fn the_sides_felt_are_chosen_by_name() {
+        for sides in Sides::all() {
+            let table = format!("[contact]\nsides = {:?}", sides.name());
+            assert_eq!(parse(&table).expect("valid").choices.sides, *sides);
+        }
+        let error = parse("[contact]\nsides = \"back\"").expect_err("no such side");
+        let text = error.to_string();
+        assert!(text.contains("sides") && text.contains("front"), "{text}");
     }
 
     #[test]

@@ -59,6 +59,7 @@ impl FingerRecord {
             } else {
                 self.contact.triangle
             },
+            behind: self.contact.behind,
         })
     }
 
@@ -76,6 +77,7 @@ impl FingerRecord {
                     r.limits,
                     c.touch,
                     c.triangle,
+                    c.behind,
                 ),
                 (
                     r.reading.buttons,

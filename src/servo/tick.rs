@@ -109,6 +109,7 @@ fn touch(scene: &TouchScene, state: &mut Option<ContactState>, reading: &Reading
         touch: Touch::Free,
         proxy_mm: hip_mm,
         triangle: 0,
+        behind: false,
     };
     let hip = Hip {
         position_mm: hip_mm,

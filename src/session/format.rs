@@ -58,6 +58,7 @@
 //! | 19 | `sent_force_n` | Vec3 | outcome | Force sent to the device, N |
 //! | 20 | `limits` | uint32 | outcome | Limits that acted: 1 not finite, 2 rated, 4 rise, 8 disabled, 16 late, 32 disconnected |
 //! | 21 | `duration_us` | float | measured | Duration of the whole tick, µs |
+//! | 22 | `behind` | bool | outcome | The proxy is on the back of its triangle; absent in older files, where it never is |
 //!
 //! Numbers from 32 on are free for later fields; readers skip what they do not know.
 //!
@@ -235,6 +236,9 @@ pub static FIELDS: &[Field] = &[
     field(21, "duration_us", Role::Measured, |r| {
         Value::F32(r.duration_us)
     }),
+    field(22, "behind", Role::Outcome, |r| {
+        Value::Bool(r.contact.behind)
+    }),
 ];
 
 /// The fields of `dorsum.Event`.
@@ -376,6 +380,8 @@ struct FingerTickMessage {
     limits: u32,
     #[prost(float, required, tag = "21")]
     duration_us: f32,
+    #[prost(bool, optional, tag = "22")]
+    behind: Option<bool>,
 }
 
 #[derive(Clone, PartialEq, Message)]
@@ -428,6 +434,7 @@ pub fn encode_tick(record: &FingerRecord, out: &mut Vec<u8>) {
         sent_force_n: record.sent_force_n.into(),
         limits: record.limits.0,
         duration_us: record.duration_us,
+        behind: Some(contact.behind),
     };
     out.clear();
     // A Vec always has room.
@@ -463,6 +470,7 @@ pub fn decode_tick(data: &[u8]) -> Result<FingerRecord, String> {
         contact: Contact {
             touch,
             triangle: m.triangle,
+            behind: m.behind.unwrap_or(false),
             anchor_mm: m.anchor_mm.into(),
             foot_mm: m.foot_mm.into(),
             normal: m.normal.into(),

@@ -126,6 +126,7 @@ pub fn pass(
         touch: contact.touch,
         proxy_mm: contact.anchor_mm,
         triangle: contact.triangle,
+        behind: false,
     };
     (contact, candidates.counts.get())
 }

@@ -2,7 +2,7 @@
 
 use crate::contact::{Contact, ContactState, Friction, Stiffness, Touch, TouchScene, advance};
 use crate::geom::{Vec3, unit_or};
-use crate::partition::bvh::Bvh;
+use crate::partition::{Sides, bvh::Bvh};
 use crate::surface::torture::{Case, Truth, closest_in};
 use crate::surface::{RawMesh, Surface};
 use std::sync::Arc;
@@ -17,10 +17,16 @@ pub struct Engine {
 }
 
 /// Every engine.
-pub const ENGINES: &[Engine] = &[Engine {
-    name: "point",
-    choose: |_| {},
-}];
+pub const ENGINES: &[Engine] = &[
+    Engine {
+        name: "point",
+        choose: |_| {},
+    },
+    Engine {
+        name: "point, both sides",
+        choose: |scene| scene.choices.sides = Sides::Both,
+    },
+];
 
 /// Where and how large the surface is.
 #[derive(Clone, Copy, Debug)]
@@ -208,7 +214,7 @@ impl<'a> Trial<'a> {
         let mut found = Findings::default();
         let mut state = self.start();
         let mut last = self.case.path[0];
-        let mut held = false;
+        let mut held = 0.0;
         let scale_sq = self.place.scale * self.place.scale;
         for &at in path {
             let (hip, before) = (self.put(at), state);
@@ -250,33 +256,36 @@ impl<'a> Trial<'a> {
 
     fn check_side(&self, seen: &Seen, found: &mut Findings) {
         let depth = self.case.truth.depth_mm(seen.proxy);
-        if depth > self.slack_mm() {
+        let turned = seen.contact.behind && !matches!(self.case.truth, Truth::Plate { .. });
+        if turned || depth > self.slack_mm() {
             found.fault(|f| &mut f.through, || format!("{depth} mm through, {seen}"));
         }
     }
 
-    fn check_place(&self, seen: &Seen, held: &mut bool, found: &mut Findings) {
+    fn check_place(&self, seen: &Seen, held: &mut f64, found: &mut Findings) {
         let free = seen.contact.touch == Touch::Free;
         let expected = match &self.case.truth {
             Truth::Cell(cell) => closest_in(cell, seen.at),
             Truth::Plate { half_mm } => {
                 let over = |p: Vec3| p.x.abs().max(p.y.abs()) <= *half_mm;
                 let (from, at) = (seen.from, seen.at);
-                if !*held && from.z > 0.0 && at.z < 0.0 {
-                    *held = over(from + (at - from) * (from.z / (from.z - at.z)));
+                let crosses =
+                    from.z * at.z < 0.0 && over(from + (at - from) * (from.z / (from.z - at.z)));
+                let felt = from.z > 0.0 || self.scene.choices.sides == Sides::Both;
+                if *held == 0.0 && crosses && felt {
+                    *held = from.z.signum();
                 }
-                *held &= at.z < 0.0 && over(at);
-                if *held == free {
+                if at.z * *held >= 0.0 || !over(at) {
+                    *held = 0.0;
+                }
+                let behind = *held < 0.0;
+                if (*held == 0.0) != free || seen.contact.behind != behind {
                     found.fault(
                         |f| &mut f.misplaced,
                         || format!("held should be {held}, {seen}"),
                     );
                 }
-                if *held {
-                    Vec3::new(at.x, at.y, 0.0)
-                } else {
-                    at
-                }
+                if free { at } else { Vec3::new(at.x, at.y, 0.0) }
             }
             Truth::Height { .. } | Truth::Bodies { .. } => return,
         };

@@ -210,7 +210,7 @@ mod tests {
                 .count();
             let plate = matches!(case.truth, Truth::Plate { .. });
             assert!(
-                plate || on * 8 >= case.mesh.triangles.len(),
+                plate || on * 12 >= case.mesh.triangles.len(),
                 "{}: {on}",
                 case.name
             );
