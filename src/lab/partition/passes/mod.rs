@@ -11,7 +11,7 @@ use crate::lab::{Choice, Experiment, LabError, Report, Samples, Setup, Stopwatch
 use crate::partition::bvh::Bvh;
 use crate::partition::hdb::{EDGE_PART, Query};
 use crate::partition::tree;
-use crate::surface::Surface;
+use crate::surface::{RIM, Surface};
 use std::hint::black_box;
 use std::sync::Arc;
 
@@ -86,7 +86,8 @@ impl Experiment for Passes {
         report.tables.push(tables::octree_against_bsp(&cells));
         report.draw("passes", plots::by_haptic_triangles(&cells, &production));
         report.draw("models", vec![plots::by_model(&models)]);
-        tables::conclude(&mut report, &cells, &production, &models);
+        let is_back = setup.mesh.is_none();
+        tables::conclude(&mut report, &cells, &production, &models, is_back);
         Ok(report)
     }
 }
@@ -157,7 +158,7 @@ impl<'a> Bench<'a> {
             }),
             ..TouchScene::new(surface, search, Stiffness::Uniform(1.0))
         };
-        let starts = places(&scene.surface, effort.places)
+        let starts = inner_places(&scene, effort.places, 3.0 * depth_mm)
             .into_iter()
             .map(|place| start(&scene, place, depth_mm))
             .collect();
@@ -246,6 +247,30 @@ impl<'a> Bench<'a> {
             }
         }
         found
+    }
+}
+
+/// Places of the surface no nearer to a rim than `reach_mm`: beside one a finger may slide off. Where there is none, any.
+fn inner_places(scene: &TouchScene, n: usize, reach_mm: f64) -> Vec<Vec3> {
+    let topology = scene.surface.topology();
+    let is_inner = |place: &Vec3| {
+        let mut rim = false;
+        (scene.search).around(*place, reach_mm, |t| {
+            rim |= topology.across(t).contains(&RIM)
+        });
+        !rim
+    };
+    let candidates = places(&scene.surface, 4 * n);
+    let inner: Vec<Vec3> = candidates
+        .iter()
+        .copied()
+        .filter(is_inner)
+        .take(n)
+        .collect();
+    if inner.is_empty() {
+        candidates.into_iter().take(n).collect()
+    } else {
+        inner
     }
 }
 
