@@ -139,6 +139,26 @@ fn on_a_smooth_patch_at_slow_speed_it_agrees_with_the_production_engine() {
     assert!(touching > 1500 && apart < 10, "{apart} of {touching}");
 }
 
+/// A motion begun straight back from the finger begins behind a wall that the finger moves away from, and so it fell
+/// through pits at first: it begins above all walls of the place.
+#[test]
+fn in_a_steep_pit_it_leaves_one_wall_for_another_and_stays() {
+    let scene = production(plate(|x, y| 3.0 * x.abs().max(y.abs())), None);
+    let other = with(&scene, &Options::default());
+    let start = Vec3::new(0.0, 0.0, 5.0);
+    let mut states = [free_at(start); 2];
+    for i in 0..2000 {
+        let angle = f64::from(i) * 0.31;
+        let down = (f64::from(i) * 0.02).min(1.0);
+        let hip = Vec3::new(libm::cos(angle), libm::sin(1.7 * angle), 5.0 - 6.0 * down);
+        let a = advance(&scene, &mut states[0], hip);
+        let b = advance(&other, &mut states[1], hip);
+        assert_eq!(a.touch, b.touch, "at {i}");
+        assert!(a.foot_mm.distance(b.foot_mm) < 1e-6, "at {i}: {a:?} {b:?}");
+    }
+    assert_eq!(states[1].touch, Touch::Frictionless);
+}
+
 /// A tangent plane cuts below a hollow surface; an anchor left there would let go of the skin, as it did at first.
 #[test]
 fn with_friction_it_never_loses_a_bumpy_surface() {
@@ -308,7 +328,7 @@ fn what_was_gathered_about_an_older_proxy_is_punctured_too() {
         published::force(&scene, Some(&stand), Hip::from(hip)),
         whole
     );
-    assert!(counts.sweeps >= 2 && counts.gathered.triangles > 0 && counts.gathered.nodes > 0);
+    assert!(counts.sweeps >= 1 && counts.gathered.triangles > 0 && counts.gathered.nodes > 0);
     assert_eq!(
         published::force(&scene, None, Hip::from(hip)).force_n,
         Vec3::ZERO

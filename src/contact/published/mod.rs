@@ -10,7 +10,9 @@
 //!   fast finger punctures the surface if the box is small. (In print the box lags behind by a frame of the whole system;
 //!   [`gather`] about an older proxy and [`collide`] repeat that.)
 //! - Where a structure's published query misses a triangle that juts out of its leaf, so does the finger.
-//! - Every pass asks every triangle gathered, several times: it costs what they are.
+//! - Every pass asks every triangle gathered: it costs what they are.
+//! - Hard corners, slots and walls with friction can still let the proxy through (`dorsum lab contact-torture` measures what
+//!   an engine does there); a skin has none.
 
 mod options;
 
@@ -26,10 +28,14 @@ use std::cell::Cell;
 
 pub use options::{KINDS, Options, Published};
 
-/// How far above the planes it stands on a motion begins, in lifts.
+/// How far above the triangles that it stands on a motion begins, in lifts.
 const ABOVE_LIFTS: f64 = 8.0;
+/// Most candidates near a motion that are kept.
+const MOST_NEAR: usize = 256;
 /// Most planes that hold a proxy, and one that it runs into.
 const MOST_PLANES: usize = 4;
+/// Most walls about one place that are looked at.
+const MOST_WALLS: usize = 12;
 /// Most times that a motion is turned aside by a triangle before it stops there.
 const MOST_TURNS: usize = 64;
 /// Most times that the proxy is dropped on another triangle in one pass.
@@ -47,7 +53,7 @@ impl Candidates for [u32] {
     }
 }
 
-/// The leaves that the box meets, asked anew each time, so that no list need be kept.
+/// The leaves that the box meets, asked anew each time, so that no list of all need be kept.
 struct InBox<'a> {
     published: &'a Published,
     surface: &'a Surface,
@@ -63,6 +69,37 @@ impl Candidates for InBox<'_> {
             gathered,
             sweeps: before.sweeps + 1,
         });
+    }
+}
+
+/// The candidates that a motion can meet, kept so that most questions ask only those; all of them where they are many.
+struct Near<'a, C: ?Sized> {
+    all: &'a C,
+    kept: [u32; MOST_NEAR],
+    len: usize,
+}
+
+impl<'a, C: Candidates + ?Sized> Near<'a, C> {
+    fn of(all: &'a C, surface: &Surface, region: &Aabb) -> Self {
+        let (mut kept, mut len) = ([0; MOST_NEAR], 0);
+        all.each(|t| {
+            if surface.triangle(t).aabb().overlaps(region) {
+                if let Some(slot) = kept.get_mut(len) {
+                    *slot = t;
+                }
+                len += 1;
+            }
+        });
+        Self { all, kept, len }
+    }
+}
+
+impl<C: Candidates + ?Sized> Candidates for Near<'_, C> {
+    fn each(&self, name: impl FnMut(u32)) {
+        match self.kept.get(..self.len) {
+            Some(kept) => kept.each(name),
+            None => self.all.each(name),
+        }
     }
 }
 
@@ -177,18 +214,22 @@ pub fn collide<C: Candidates + ?Sized>(
     if !believable(hip_mm) {
         return None;
     }
+    let from = state.proxy_mm;
+    let lift = LIFT_ULPS * f64::EPSILON * (hip_mm.abs().max_element() + from.abs().max_element());
+    // The proxy only comes nearer to the HIP; twice as far, for what is looked at from above.
+    let reach = 4.0 * (from.distance(hip_mm) + WITNESS_LIFTS * lift);
+    let near = Near::of(candidates, &scene.surface, &Aabb::cube(hip_mm, reach));
     let pass = Pass {
         surface: &scene.surface,
-        candidates,
+        candidates: &near,
         hip: hip_mm,
-        lift: LIFT_ULPS
-            * f64::EPSILON
-            * (hip_mm.abs().max_element() + state.proxy_mm.abs().max_element()),
+        lift,
     };
-    let from = state.proxy_mm;
     let held = stands(scene, state).then(|| scene.surface.triangle(state.triangle).normal());
-    let up = unit_or(from - hip_mm, Vec3::ZERO);
-    let start = pass.above(from, up, held.unwrap_or(Vec3::ZERO));
+    let start = match held {
+        Some(normal) => pass.above(from, normal),
+        None => from + unit_or(from - hip_mm, Vec3::ZERO) * (WITNESS_LIFTS * lift),
+    };
     let landed = pass.first(start, hip_mm)?;
     let (foot, triangle) = pass.settle(landed)?;
     let cone = Cone::of(scene.friction.as_ref());
@@ -287,10 +328,46 @@ impl<C: Candidates + ?Sized> Pass<'_, C> {
         best
     }
 
-    /// A point that stands on a surface, moved clear of its rounding: away from the HIP, which is off every plane of a
-    /// groove, however narrow, and a little along the normal, for the HIP may lie in the plane.
-    fn above(&self, p: Vec3, up: Vec3, normal: Vec3) -> Vec3 {
-        p + up * (WITNESS_LIFTS * self.lift) + normal * (ABOVE_LIFTS * self.lift)
+    /// A place on the surface moved just above every triangle there, as little as can be: in a corner along none of its
+    /// walls. Where nothing is, or what is there faces both ways, along `normal`.
+    fn above(&self, p: Vec3, normal: Vec3) -> Vec3 {
+        let rise = ABOVE_LIFTS * self.lift;
+        let touching_mm = WITNESS_LIFTS * self.lift;
+        let around = Aabb::cube(p, 2.0 * touching_mm);
+        let (mut at, mut planes) = (p, Planes::default());
+        for _ in 0..MOST_WALLS {
+            let mut worst: Option<(f64, Plane)> = None;
+            self.candidates.each(|triangle| {
+                let shape = self.surface.triangle(triangle);
+                if !shape.aabb().overlaps(&around) {
+                    return;
+                }
+                let mut plane = self.plane(triangle);
+                plane.point += plane.normal * rise;
+                let height = plane.height(at);
+                let more =
+                    |(h, w): (f64, Plane)| height < h || (height == h && triangle < w.triangle);
+                if height < -0.125 * rise
+                    && worst.is_none_or(more)
+                    && shape.closest_point(p).point.distance(p) <= touching_mm
+                {
+                    worst = Some((height, plane));
+                }
+            });
+            let Some((_, plane)) = worst else {
+                return if planes.len > 0 {
+                    at
+                } else {
+                    p + normal * rise
+                };
+            };
+            planes.push(plane);
+            let Some((foot, held)) = self.lowest(p, &planes, 0.0625 * rise) else {
+                break;
+            };
+            (at, planes) = (foot.point, held);
+        }
+        p + normal * rise
     }
 
     fn plane(&self, triangle: u32) -> Plane {
@@ -310,8 +387,7 @@ impl<C: Candidates + ?Sized> Pass<'_, C> {
         for n in 0..MOST_DROPS {
             let (foot, planes) = self.slide(here)?;
             // The planes are endless, their triangles not: what is really under the foot?
-            let up = unit_or(foot.point - self.hip, foot.normal);
-            let under = self.first(self.above(foot.point, up, foot.normal), self.hip)?;
+            let under = self.first(self.above(foot.point, foot.normal), self.hip)?;
             let there = self.surface.triangle(under.triangle);
             let stays = planes.list().iter().any(|p| p.triangle == under.triangle)
                 || there.closest_point(foot.point).point.distance(foot.point)
@@ -350,9 +426,9 @@ impl<C: Candidates + ?Sized> Pass<'_, C> {
         let mut planes = Planes::default();
         planes.push(self.plane(landed.triangle));
         for _ in 0..MOST_TURNS {
-            let (foot, active) = self.lowest(&planes)?;
-            let up = unit_or(foot.point - self.hip, foot.normal);
-            let raised = |p| self.above(p, up, foot.normal);
+            let slack = 2.0 * WITNESS_LIFTS * self.lift;
+            let (foot, active) = self.lowest(self.hip, &planes, slack)?;
+            let raised = |p| self.above(p, foot.normal);
             let Some(hit) = self.first(raised(at), raised(foot.point)) else {
                 return Some((foot, active));
             };
@@ -374,11 +450,10 @@ impl<C: Candidates + ?Sized> Pass<'_, C> {
         Some((foot, planes))
     }
 
-    /// The point nearest to the HIP that is below none of the planes, and those that hold it there: the least number of
-    /// planes that does. `None` where the HIP is above all.
-    fn lowest(&self, planes: &Planes) -> Option<(Foot, Planes)> {
+    /// The point nearest to `goal` that is below none of the planes by more than `slack`, mm, and those that hold it
+    /// there: the least number of planes that does. `None` where the goal is above all.
+    fn lowest(&self, goal: Vec3, planes: &Planes, slack: f64) -> Option<(Foot, Planes)> {
         let all = planes.list();
-        let slack = 2.0 * WITNESS_LIFTS * self.lift;
         let mut best: Option<(f64, Foot, Planes)> = None;
         // Every choice of at most three, by bits; smaller choices first.
         for size in 1..=3_u32 {
@@ -389,7 +464,7 @@ impl<C: Candidates + ?Sized> Pass<'_, C> {
                 let mut held = Planes::default();
                 let chosen = all.iter().enumerate().filter(|(i, _)| choice >> i & 1 == 1);
                 chosen.for_each(|(_, p)| held.push(*p));
-                let Some(foot) = self.foot_on(held.list()) else {
+                let Some(foot) = foot_on(goal, held.list()) else {
                     continue;
                 };
                 let lowest = all.iter().map(|p| p.height(foot.point));
@@ -405,38 +480,6 @@ impl<C: Candidates + ?Sized> Pass<'_, C> {
             }
         }
         best.map(|(_, foot, held)| (foot, held))
-    }
-
-    /// The point nearest to the HIP on all of these planes at once; `None` where one of them would have to pull, or where
-    /// they are parallel.
-    fn foot_on(&self, planes: &[Plane]) -> Option<Foot> {
-        let normals: [Vec3; 3] =
-            std::array::from_fn(|i| planes.get(i).map_or(Vec3::ZERO, |p| p.normal));
-        let depths =
-            |at: Vec3| std::array::from_fn(|i| planes.get(i).map_or(0.0, |p| -p.height(at)));
-        let shares = shares(normals, planes.len(), depths(self.hip))?;
-        if !shares.iter().all(|&s| s >= 0.0) {
-            return None;
-        }
-        let step = |shares: [f64; 3]| {
-            normals[0] * shares[0] + normals[1] * shares[1] + normals[2] * shares[2]
-        };
-        let mut point = self.hip + step(shares);
-        if let [plane] = planes {
-            return Some(Foot {
-                point,
-                normal: plane.normal,
-                depth_mm: shares[0],
-            });
-        }
-        // Planes that are nearly parallel magnify rounding: once more, from there.
-        point += step(self::shares(normals, planes.len(), depths(point))?);
-        let push = point - self.hip;
-        push.is_finite().then(|| Foot {
-            point,
-            normal: unit_or(push, planes[0].normal),
-            depth_mm: push.length(),
-        })
     }
 
     /// The point nearest to the HIP on any of these triangles: where the proxy comes to rest that their planes hand on to
@@ -473,7 +516,7 @@ impl<C: Candidates + ?Sized> Pass<'_, C> {
         };
         let anchor = foot.point + reach;
         let up = foot.normal;
-        let raised = |p| self.above(p, Vec3::ZERO, up);
+        let raised = |p| self.above(p, up);
         let blocked = (reach != Vec3::ZERO)
             .then(|| self.first(raised(foot.point), raised(anchor)))
             .flatten();
@@ -519,4 +562,34 @@ fn shares(normals: [Vec3; 3], n: usize, depths: [f64; 3]) -> Option<[f64; 3]> {
             (det.abs() > 1e-10).then(|| [share(b, c), share(c, a), share(a, b)])
         }
     }
+}
+
+/// The point nearest to `goal` on all of these planes at once; `None` where one of them would have to pull, or where
+/// they are parallel.
+fn foot_on(goal: Vec3, planes: &[Plane]) -> Option<Foot> {
+    let normals: [Vec3; 3] =
+        std::array::from_fn(|i| planes.get(i).map_or(Vec3::ZERO, |p| p.normal));
+    let depths = |at: Vec3| std::array::from_fn(|i| planes.get(i).map_or(0.0, |p| -p.height(at)));
+    let shares = shares(normals, planes.len(), depths(goal))?;
+    if !shares.iter().all(|&s| s >= 0.0) {
+        return None;
+    }
+    let step =
+        |shares: [f64; 3]| normals[0] * shares[0] + normals[1] * shares[1] + normals[2] * shares[2];
+    let mut point = goal + step(shares);
+    if let [plane] = planes {
+        return Some(Foot {
+            point,
+            normal: plane.normal,
+            depth_mm: shares[0],
+        });
+    }
+    // Planes that are nearly parallel magnify rounding: once more, from there.
+    point += step(self::shares(normals, planes.len(), depths(point))?);
+    let push = point - goal;
+    push.is_finite().then(|| Foot {
+        point,
+        normal: unit_or(push, planes[0].normal),
+        depth_mm: push.length(),
+    })
 }
