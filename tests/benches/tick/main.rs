@@ -2,7 +2,7 @@
 //!
 //! The benchmark surface and path of `surface::primitives`: 20,000 ticks at 1 kHz, 5 mm deep (contact) or 30 mm above
 //! (hover), stiffness 1 N/mm, friction 0.46 / 0.44. Every call is timed by itself; what reading the clock costs is
-//! measured and taken off. A number as argument leaves out meshes with more triangles.
+//! measured and taken off. What takes too long is cut short. A number as argument leaves out meshes with more triangles.
 
 mod cases;
 mod measure;

@@ -10,10 +10,12 @@ use dorsum::servo::{Limits, Rig, TickInput, tick};
 use dorsum::surface::Surface;
 use std::hint::black_box;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 pub const TICKS: usize = 20_000;
 pub const DT_S: f64 = 1e-3;
+/// For how long one finger is measured at most; then the path is cut short.
+const AT_MOST: Duration = Duration::from_secs(5);
 /// Radius of the finger pad, mm.
 pub const PAD_MM: f64 = 5.0;
 
@@ -112,7 +114,8 @@ impl Scene {
         let scene = self.touch(finger);
         let (mut state, mut last_force_n) = approached(case, finger, &scene);
         let (mut ns, mut steps_n, mut lag_mm, mut pops) = (vec![], vec![], 0.0_f64, 0);
-        for i in 0..TICKS {
+        let begun = Instant::now();
+        for i in (0..TICKS).take_while(|_| begun.elapsed() < AT_MOST) {
             let hip = case.at(i as f64 * DT_S, finger.offset_mm + finger.radius_mm);
             let start = Instant::now();
             let contact = black_box(advance(&scene, &mut state, black_box(hip)));
@@ -129,8 +132,8 @@ impl Scene {
             cost: Cost::of(ns, clock_ns),
             lag_mm,
             pops,
-            force_step_p99_n: steps_n[TICKS * 99 / 100],
-            force_step_max_n: steps_n[TICKS - 1],
+            force_step_p99_n: steps_n[steps_n.len() * 99 / 100],
+            force_step_max_n: steps_n[steps_n.len() - 1],
         }
     }
 
@@ -160,7 +163,9 @@ impl Scene {
         for hip in case.approach(offset_mm) {
             tick(&mut rig, &input(hip), DT_S);
         }
+        let begun = Instant::now();
         let ns = (0..TICKS)
+            .take_while(|_| begun.elapsed() < AT_MOST)
             .map(|i| {
                 let input = input(case.at(i as f64 * DT_S, offset_mm));
                 let start = Instant::now();
