@@ -87,6 +87,18 @@ impl Check<'_> {
             }
             return Ok(None);
         }
+        for (key, span) in [
+            (
+                "finger_radius_mm",
+                t.finger_radius_mm.as_ref().map(Spanned::span),
+            ),
+            ("sides", t.sides.as_ref().map(Spanned::span)),
+        ] {
+            if let Some(span) = span {
+                let what = format!("{key} belongs to engine = \"production\"");
+                return Err(self.fail(&span, what));
+            }
+        }
         let mut options = published::Options::default();
         if let Some(name) = &t.partition {
             let kinds = published::KINDS.map(|kind| (kind, kind));
@@ -316,6 +328,10 @@ mod tests {
             (
                 "[contact]\nfinger_radius_mm = -1",
                 "line 6: finger_radius_mm = -1; 0 to 50 is allowed",
+            ),
+            (
+                "[contact]\nengine = \"published\"\nfinger_radius_mm = 5",
+                "line 7: finger_radius_mm belongs to engine = \"production\"",
             ),
             (
                 "[contact]\nengines = \"production\"",
