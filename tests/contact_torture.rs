@@ -171,3 +171,39 @@ fn between_two_sheets_the_finger_is_kept_by_both() {
         assert_eq!(c.behind, hip.z > 0.0);
     }
 }
+
+/// Where a valley runs out at a rim, the way ahead off the rim leads back over the sheet: the finger once went to and fro there
+/// for ever instead of coming free.
+#[test]
+fn where_a_valley_runs_out_at_the_rim_the_finger_comes_free() {
+    let shape = |x: f64, y: f64| -1.7 * (x + 0.3 * y).abs() + 0.8 * (y - 2.0).abs();
+    let at = [-20.0, -17.0, -13.4, -8.2, -2.6, 1.1, 4.0, 9.5, 15.0, 20.0];
+    let ys = [
+        -20.0,
+        -12.0,
+        -5.0,
+        -1.3,
+        1.9765421772848673,
+        4.4,
+        11.0,
+        20.0,
+    ];
+    let (surface, _) = Surface::new(grid(&at, &ys, shape)).unwrap();
+    let search = Arc::new(Bvh::new(&surface));
+    let scene = TouchScene::new(Arc::new(surface), search, Stiffness::Uniform(1.0));
+    for depth in [60.0, 105.0, 105.01744578377615, 300.0] {
+        for x in [0.0, -1.0, 3.0] {
+            let mut state = ContactState {
+                proxy_mm: Vec3::new(x, 0.0, 30.0),
+                ..ContactState::default()
+            };
+            let hip = Vec3::new(x, 0.0, -depth);
+            let c = advance(&scene, &mut state, hip);
+            // Either free, or held by the surface: the force is that of the proxy where it is.
+            assert!(
+                (c.force_n - (c.anchor_mm - hip)).length() < 1e-9,
+                "{depth} {x}: {c:?}"
+            );
+        }
+    }
+}

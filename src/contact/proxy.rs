@@ -254,10 +254,13 @@ fn follow(scene: &TouchScene, walk: Walk, start: Footing, slipping: bool) -> Opt
                 let ahead = unit_or(down - normal * down.dot(normal), Vec3::ZERO);
                 let beyond =
                     footing.point + ahead * (WITNESS_LIFTS * walk.lift) + normal * walk.lift;
-                if in_place >= MAX_IN_PLACE && !scene.search.is_crossed(footing.triangle) {
-                    // Off the corner of a jagged rim, where the way ahead leads back over the sheet: straight down.
-                    let below = down.clamp_length_max(WITNESS_LIFTS * walk.lift);
-                    here = land(scene, &walk, footing.point + below, None)?;
+                if in_place >= MAX_IN_PLACE && against(scene, &walk, footing).is_none() {
+                    // Off the corner of a jagged rim, where the way ahead leads back over the sheet: straight down, and free
+                    // unless something else is there.
+                    let near = 4.0 * WITNESS_LIFTS * walk.lift;
+                    let below = footing.point + down.clamp_length_max(near);
+                    here = land(scene, &walk, below, None)
+                        .filter(|next| next.point.distance(footing.point) > near)?;
                     continue;
                 }
                 match scene.search.sweep(&scene.surface, w, beyond, walk.sides) {
