@@ -403,7 +403,7 @@ fn what_is_no_number_is_felt_as_nothing() {
                         touch,
                         proxy_mm: Vec3::splat(bad),
                         triangle,
-                        behind: false,
+                        ..ContactState::default()
                     };
                     let c = advance(&scene, &mut lost, Vec3::new(0.3, 0.2, -2.0));
                     assert!(c.force_n.is_finite() && c.anchor_mm.is_finite(), "{c:?}");

@@ -66,8 +66,7 @@ fn free_at(p: Vec3) -> ContactState {
     ContactState {
         touch: Touch::Free,
         proxy_mm: p,
-        triangle: 0,
-        behind: false,
+        ..ContactState::default()
     }
 }
 

@@ -69,6 +69,8 @@ fn record() -> impl Strategy<Value = FingerRecord> {
             normal: p.2,
             depth_mm: n.0,
             stiffness_n_per_mm: n.1,
+            felt_depth_mm: n.1,
+            credit_mj: n.0,
             force_n: p.3,
         },
         sent_force_n: p.4,

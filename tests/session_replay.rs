@@ -200,7 +200,7 @@ fn a_changed_reading_is_found_at_its_tick() {
 #[test]
 fn one_changed_bit_of_an_outcome_is_found_with_its_field() {
     type Change = fn(&mut FingerRecord);
-    let changes: [(&str, Change); 5] = [
+    let changes: [(&str, Change); 6] = [
         ("anchor_mm.y", |r| {
             r.contact.anchor_mm.y = next(r.contact.anchor_mm.y)
         }),
@@ -209,6 +209,9 @@ fn one_changed_bit_of_an_outcome_is_found_with_its_field() {
         }),
         ("stiffness_n_per_mm", |r| {
             r.contact.stiffness_n_per_mm = next(r.contact.stiffness_n_per_mm);
+        }),
+        ("credit_mj", |r| {
+            r.contact.credit_mj = next(r.contact.credit_mj);
         }),
         ("sent_force_n.z", |r| {
             r.sent_force_n.z = next(r.sent_force_n.z)

@@ -87,4 +87,16 @@ impl Face {
     pub(super) fn edge_from(&self, vertex: u32) -> usize {
         self.vertices.iter().position(|&v| v == vertex).unwrap_or(0)
     }
+
+    /// Weights of the three corners at a point of the plane.
+    pub(super) fn weights(&self, p: Vec3) -> [f64; 3] {
+        let whole = self.area_normal.length_squared();
+        [1, 2, 0].map(|i| self.inside(i, p) / whole)
+    }
+
+    /// How each corner's weight rises over the plane, 1/mm.
+    pub(super) fn weight_slopes(&self) -> [Vec3; 3] {
+        let whole = self.area_normal.length_squared();
+        [1, 2, 0].map(|i| self.area_normal.cross(self.edges[i]) / whole)
+    }
 }

@@ -10,6 +10,7 @@ mod friction;
 mod pad;
 mod proxy;
 pub mod published;
+mod shading;
 mod walk;
 
 use crate::geom::Vec3;
@@ -21,6 +22,7 @@ pub use force::ForceModel;
 pub use friction::anchor_from;
 pub use proxy::FARTHEST_MM;
 use published::Published;
+pub use shading::{Guard, Shading};
 
 /// Everything the servo needs to know of a scene to feel it. Immutable while in use.
 #[derive(Clone, Debug)]
@@ -35,6 +37,8 @@ pub struct TouchScene {
     pub friction: Option<Friction>,
     /// How the finger meets the surface, by name.
     pub choices: Choices,
+    /// Present: the force is that of the smooth surface the mesh stands for. A pad rounds by itself and does without.
+    pub shading: Option<Shading>,
     /// Present: this pass feels the surface in place of the production engine.
     pub published: Option<Arc<Published>>,
 }
@@ -49,6 +53,8 @@ pub struct Choices {
     /// From which sides the surface stops the finger. From the back only an open sheet is meant to be felt; a finger that
     /// starts inside a closed body is then kept in. A pad and the published pass feel the front only.
     pub sides: Sides,
+    /// Whether [`TouchScene::shading`] is wanted.
+    pub shaded: bool,
 }
 
 impl Choices {
@@ -105,6 +111,7 @@ impl TouchScene {
             stiffness,
             friction: None,
             choices: Choices::default(),
+            shading: None,
             published: None,
         }
     }
@@ -184,6 +191,26 @@ pub struct ContactState {
     pub triangle: u32,
     /// The proxy is on the back of its triangle.
     pub behind: bool,
+    /// The energy balance of force shading; at rest without it.
+    pub guard: Guard,
+}
+
+impl ContactState {
+    /// What `contact` of a HIP at `hip_mm` leaves behind.
+    pub fn after(hip_mm: Vec3, contact: &Contact) -> Self {
+        Self {
+            touch: contact.touch,
+            proxy_mm: contact.anchor_mm,
+            triangle: contact.triangle,
+            behind: contact.behind,
+            guard: Guard {
+                hip_mm,
+                force_n: contact.force_n,
+                felt_depth_mm: contact.felt_depth_mm,
+                credit_mj: contact.credit_mj,
+            },
+        }
+    }
 }
 
 /// The outcome of one tick for one finger. All finite. When free: normal, depth, stiffness and force are zero and all
@@ -208,4 +235,8 @@ pub struct Contact {
     pub stiffness_n_per_mm: f64,
     /// Force on the finger before any device limit, N.
     pub force_n: Vec3,
+    /// Depth that the force answers to, mm: `depth_mm`, or with force shading that below the smooth surface.
+    pub felt_depth_mm: f64,
+    /// With force shading, what the finger has put in and neither got back nor left stored, mJ, ≥ 0; else 0.
+    pub credit_mj: f64,
 }

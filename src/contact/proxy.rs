@@ -13,7 +13,7 @@ use super::face::Face;
 use super::friction::Cone;
 use super::pad::Pad;
 use super::walk::{Footing, Outcome, Rest, TOUCH_LIFTS, Walk};
-use super::{Contact, ContactState, Hip, Touch, TouchScene};
+use super::{Contact, ContactState, Guard, Hip, Shading, Touch, TouchScene};
 use crate::geom::{Vec3, unit_or};
 use crate::partition::{Hit, Partition, Sides};
 
@@ -79,22 +79,23 @@ pub(super) fn advance(scene: &TouchScene, state: &mut ContactState, hip: Hip) ->
         }
     };
     let contact = match rest {
-        Some((rest, behind)) => Contact {
-            behind,
-            ..felt(scene, &rest, cone, hip)
-        },
+        Some((rest, behind)) => {
+            let plain = Contact {
+                behind,
+                ..felt(scene, &rest, cone, hip)
+            };
+            match (&scene.shading, scene.choices.pad_mm()) {
+                (Some(shading), None) => shaded(scene, shading, &rest, plain, hip, state),
+                _ => plain,
+            }
+        }
         None => Contact {
             anchor_mm: hip_mm,
             foot_mm: hip_mm,
             ..Contact::default()
         },
     };
-    *state = ContactState {
-        touch: contact.touch,
-        proxy_mm: contact.anchor_mm,
-        triangle: contact.triangle,
-        behind: contact.behind,
-    };
+    *state = ContactState::after(hip_mm, &contact);
     contact
 }
 
@@ -341,5 +342,45 @@ pub(super) fn felt(scene: &TouchScene, rest: &Rest, cone: Cone, hip: Hip) -> Con
         depth_mm: rest.depth,
         stiffness_n_per_mm: k,
         force_n,
+        felt_depth_mm: rest.depth,
+        credit_mj: 0.0,
+    }
+}
+
+/// `plain` with its normal force replaced by that of the smooth surface.
+fn shaded(
+    scene: &TouchScene,
+    shading: &Shading,
+    rest: &Rest,
+    plain: Contact,
+    hip: Hip,
+    before: &ContactState,
+) -> Contact {
+    let held = plain.touch != Touch::Frictionless;
+    let smooth = shading.smooth(&scene.surface, rest, hip.position_mm, held);
+    let (model, k) = (&scene.choices.force, plain.stiffness_n_per_mm);
+    let rate_mm_s = hip.depth_rate_mm_s(rest.normal);
+    let flat_n = rest.normal * model.force_n(k, rest.depth, rate_mm_s);
+    let sideways_n = plain.force_n - flat_n;
+    let push = |depth| smooth.direction * model.force_n(k, depth, rate_mm_s) + sideways_n;
+    let guard = match before.touch {
+        Touch::Free => Guard {
+            hip_mm: before.proxy_mm,
+            ..Guard::default()
+        },
+        _ => before.guard,
+    };
+    let force_n = push(smooth.depth);
+    let (share, credit_mj) = guard.allow(model, k, hip.position_mm, force_n, smooth.depth);
+    let felt_depth_mm = smooth.depth * share;
+    Contact {
+        felt_depth_mm,
+        credit_mj,
+        force_n: if share < 1.0 {
+            push(felt_depth_mm)
+        } else {
+            force_n
+        },
+        ..plain
     }
 }

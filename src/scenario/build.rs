@@ -3,7 +3,7 @@
 use super::needs::{Item, Needs};
 use super::{Ledger, Scenario, ScenarioError, SurfaceChoice, Use};
 use crate::contact::published::Published;
-use crate::contact::{ForceModel, Stiffness, TouchScene};
+use crate::contact::{ForceModel, Shading, Stiffness, TouchScene};
 use crate::deform::models::fsmd;
 use crate::maps::StiffnessMap;
 use crate::partition::Partition as _;
@@ -123,6 +123,10 @@ pub fn build(
         ledger.built(Item::Friction, size_of::<crate::contact::Friction>());
     }
 
+    let shading = needs.has(Item::ForceShading).then(|| Shading::of(&surface));
+    if shading.is_some() {
+        ledger.built(Item::ForceShading, size_of::<Shading>());
+    }
     if needs.has(Item::FingerPad) {
         ledger.built(Item::FingerPad, size_of::<f64>());
     }
@@ -135,6 +139,7 @@ pub fn build(
         friction: scenario.friction,
         choices: scenario.choices,
         published,
+        shading,
         ..TouchScene::new(Arc::clone(&surface), search, stiffness)
     };
     let deform = scenario.deform;

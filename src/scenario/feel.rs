@@ -32,6 +32,7 @@ pub(super) struct ContactTable {
     query: Option<Spanned<String>>,
     finger_radius_mm: Option<Spanned<f64>>,
     sides: Option<Spanned<String>>,
+    shading: Option<Spanned<String>>,
 }
 
 /// Most triangles in a leaf allowed.
@@ -52,9 +53,22 @@ impl Check<'_> {
             }
             None => Sides::default(),
         };
+        let finger_radius_mm = self.number_or("finger_radius_mm", radius, 0.0..=50.0, 0.0)?;
+        let shaded = match contact.and_then(|t| t.shading.as_ref()) {
+            None => false,
+            Some(name) => {
+                let shaded = self.choice("shading", name, &[("none", false), ("normals", true)])?;
+                if shaded && finger_radius_mm > 0.0 {
+                    let what = "shading = \"normals\" is for a point; a finger_radius_mm above 0 rounds by itself";
+                    return Err(self.fail(&name.span(), what));
+                }
+                shaded
+            }
+        };
         Ok(Choices {
             sides,
-            finger_radius_mm: self.number_or("finger_radius_mm", radius, 0.0..=50.0, 0.0)?,
+            finger_radius_mm,
+            shaded,
             force: force.map_or(Ok(ForceModel::default()), |t| self.force(t))?,
         })
     }
@@ -93,6 +107,7 @@ impl Check<'_> {
                 t.finger_radius_mm.as_ref().map(Spanned::span),
             ),
             ("sides", t.sides.as_ref().map(Spanned::span)),
+            ("shading", t.shading.as_ref().map(Spanned::span)),
         ] {
             if let Some(span) = span {
                 let what = format!("{key} belongs to engine = \"production\"");
@@ -294,6 +309,14 @@ mod tests {
     }
 
     #[test]
+    fn shading_is_off_unless_chosen() {
+        let shaded = |text: &str| parse(text).expect(text).choices.shaded;
+        assert!(!shaded(""));
+        assert!(!shaded("[contact]\nshading = \"none\""));
+        assert!(shaded("[contact]\nshading = \"normals\""));
+    }
+
+    #[test]
     fn each_fault_is_told_with_line_key_value_and_what_is_allowed() {
         for (tables, told) in [
             (
@@ -324,6 +347,18 @@ mod tests {
             (
                 "[contact]\nengine = \"magic\"",
                 "line 6: engine = \"magic\"; allowed",
+            ),
+            (
+                "[contact]\nshading = \"phong\"",
+                "line 6: shading = \"phong\"; allowed are \"none\", \"normals\"",
+            ),
+            (
+                "[contact]\nshading = \"normals\"\nfinger_radius_mm = 5",
+                "line 6: shading = \"normals\" is for a point",
+            ),
+            (
+                "[contact]\nengine = \"published\"\nfinger_radius_mm = 5",
+                "line 7: finger_radius_mm belongs to engine = \"production\"",
             ),
             (
                 "[contact]\nfinger_radius_mm = -1",

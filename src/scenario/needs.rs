@@ -37,6 +37,8 @@ pub enum Item {
     ForceModel,
     /// A ball for a finger instead of a point.
     FingerPad,
+    /// The force of the smooth surface that a mesh stands for.
+    ForceShading,
     /// Per-vertex displacement and normals of the drawn skin.
     Deformation,
     /// Its tangential half.
@@ -53,7 +55,7 @@ pub enum Item {
 
 impl Item {
     /// Every part, in the order of the ledger.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Surface,
         Self::Search,
         Self::StiffnessField,
@@ -61,6 +63,7 @@ impl Item {
         Self::Published,
         Self::ForceModel,
         Self::FingerPad,
+        Self::ForceShading,
         Self::Deformation,
         Self::TangentialField,
         Self::GraphicsMesh,
@@ -79,6 +82,7 @@ impl Item {
             Self::Published => "Published haptic pass",
             Self::ForceModel => "Force model",
             Self::FingerPad => "Finger pad",
+            Self::ForceShading => "Force shading",
             Self::Deformation => "Deformation",
             Self::TangentialField => "Tangential field",
             Self::GraphicsMesh => "Graphics mesh",
@@ -136,6 +140,11 @@ impl Item {
                 scenario.choices.pad_mm().is_some(),
                 "[contact] finger_radius_mm",
                 "the finger is a point",
+            ),
+            Self::ForceShading => choose(
+                scenario.choices.shaded,
+                "[contact] shading",
+                "forces are those of the facets",
             ),
             Self::Deformation => {
                 let by = if purpose.drawn {

@@ -1,7 +1,7 @@
 //! What goes into a tick and what comes out: plain values.
 
 use super::LimitFlags;
-use crate::contact::{Contact, ContactState, Touch};
+use crate::contact::{Contact, ContactState};
 use crate::device::{MAX_FINGERS, Reading};
 use crate::geom::Vec3;
 
@@ -51,16 +51,9 @@ impl FingerRecord {
     /// The contact state the next tick starts from; `None` where the device did not answer, so that the proxy is placed
     /// anew when it does.
     pub fn contact_state(&self) -> Option<ContactState> {
-        self.reading.is_usable().then_some(ContactState {
-            touch: self.contact.touch,
-            proxy_mm: self.contact.anchor_mm,
-            triangle: if self.contact.touch == Touch::Free {
-                0
-            } else {
-                self.contact.triangle
-            },
-            behind: self.contact.behind,
-        })
+        self.reading
+            .is_usable()
+            .then(|| ContactState::after(self.reading.position_mm, &self.contact))
     }
 
     /// Whether the outcome equals `other`'s bit for bit; measured times are left out.
@@ -92,7 +85,13 @@ impl FingerRecord {
                     v(c.force_n),
                     v(r.sent_force_n),
                 ),
-                (c.depth_mm.to_bits(), c.stiffness_n_per_mm.to_bits()),
+                [
+                    c.depth_mm,
+                    c.stiffness_n_per_mm,
+                    c.felt_depth_mm,
+                    c.credit_mj,
+                ]
+                .map(f64::to_bits),
             )
         };
         bits(self) == bits(other)

@@ -108,8 +108,7 @@ fn touch(scene: &TouchScene, state: &mut Option<ContactState>, reading: &Reading
     let placed = ContactState {
         touch: Touch::Free,
         proxy_mm: hip_mm,
-        triangle: 0,
-        behind: false,
+        ..ContactState::default()
     };
     let hip = Hip {
         position_mm: hip_mm,

@@ -59,6 +59,8 @@
 //! | 20 | `limits` | uint32 | outcome | Limits that acted: 1 not finite, 2 rated, 4 rise, 8 disabled, 16 late, 32 disconnected |
 //! | 21 | `duration_us` | float | measured | Duration of the whole tick, µs |
 //! | 22 | `behind` | bool | outcome | The proxy is on the back of its triangle; absent in older files, where it never is |
+//! | 23 | `felt_depth_mm` | double | outcome | Depth the force answers to, mm; where absent, `depth_mm` |
+//! | 24 | `credit_mj` | double | outcome | Balance of force shading, mJ; where absent, 0 |
 //!
 //! Numbers from 32 on are free for later fields; readers skip what they do not know.
 //!
@@ -239,6 +241,12 @@ pub static FIELDS: &[Field] = &[
     field(22, "behind", Role::Outcome, |r| {
         Value::Bool(r.contact.behind)
     }),
+    field(23, "felt_depth_mm", Role::Outcome, |r| {
+        Value::F64(r.contact.felt_depth_mm)
+    }),
+    field(24, "credit_mj", Role::Outcome, |r| {
+        Value::F64(r.contact.credit_mj)
+    }),
 ];
 
 /// The fields of `dorsum.Event`.
@@ -382,6 +390,10 @@ struct FingerTickMessage {
     duration_us: f32,
     #[prost(bool, optional, tag = "22")]
     behind: Option<bool>,
+    #[prost(double, optional, tag = "23")]
+    felt_depth_mm: Option<f64>,
+    #[prost(double, optional, tag = "24")]
+    credit_mj: Option<f64>,
 }
 
 #[derive(Clone, PartialEq, Message)]
@@ -435,6 +447,8 @@ pub fn encode_tick(record: &FingerRecord, out: &mut Vec<u8>) {
         limits: record.limits.0,
         duration_us: record.duration_us,
         behind: Some(contact.behind),
+        felt_depth_mm: Some(contact.felt_depth_mm),
+        credit_mj: Some(contact.credit_mj),
     };
     out.clear();
     // A Vec always has room.
@@ -476,6 +490,8 @@ pub fn decode_tick(data: &[u8]) -> Result<FingerRecord, String> {
             normal: m.normal.into(),
             depth_mm: m.depth_mm,
             stiffness_n_per_mm: m.stiffness_n_per_mm,
+            felt_depth_mm: m.felt_depth_mm.unwrap_or(m.depth_mm),
+            credit_mj: m.credit_mj.unwrap_or(0.0),
             force_n: m.force_n.into(),
         },
         sent_force_n: m.sent_force_n.into(),

@@ -1,11 +1,11 @@
 //! The finger pad: a sphere instead of a point. HIP and proxy are its centre, and the proxy keeps a radius away from the
 //! surface.
 //!
-//! The triangles near the centre are replaced by half-spaces that keep the centre a radius away from them, each on its
-//! own side; the place in all of them that is nearest to the HIP is where the centre goes, and from there again, until it
-//! rests. A triangle grown by a ball is convex, so every such step stays clear of every triangle on its way: a pad needs
-//! no sweep and cannot pass through, however far it goes in a tick. (Ruspini, Kolarov & Khatib 1997 have the sphere as
-//! proxy; they stop at the first constraint hit, here all near ones are known before the step.)
+//! A triangle grown by a ball is convex, so a half-space keeps the centre clear of it. The centre goes to the place nearest
+//! to the HIP in the half-spaces of the triangles that were in its way, asks the search structure whether another one is,
+//! and so on until none is; then from there again, until it rests. No step is as long as the radius, or as the room there
+//! is: a pad needs no sweep and cannot pass through, however far it goes in a tick. (Ruspini, Kolarov & Khatib 1997 have
+//! the sphere as proxy, too; they stop at each constraint that a sweep hits.)
 //!
 //! The surface is one-sided here too: what is behind a triangle does not feel it, except at a rim. A pad that comes out
 //! from inside feels nothing until it is clear of the skin.
@@ -15,19 +15,20 @@ mod planes;
 use super::face::Face;
 use super::friction::Cone;
 use super::walk::{ON_CONE, Rest};
-use crate::geom::{Feature, Triangle, TrianglePoint, Vec3, unit_or};
-use crate::partition::bvh::Bvh;
+use crate::geom::{Feature, TrianglePoint, Vec3, unit_or};
+use crate::partition::{Nearest, bvh::Bvh};
 use crate::surface::{RIM, Surface};
-use planes::{Plane, Planes};
+use planes::{Held, Plane, Planes};
 
 /// Most steps of one tick; what is left waits for the next, clear of the surface.
-const MAX_STEPS: u32 = 64;
-/// A step shorter than this share of the radius ends the tick: the next goes on from there.
-const SETTLED: f64 = 1e-5;
+const MAX_STEPS: u32 = 128;
+/// Most times a step is cut back when the triangles in its way are too many to stand together.
+const MAX_CUTS: u32 = 4;
+/// A step shorter than this share of the radius is left to the next tick, unless it is the first.
+const SETTLED: f64 = 1e-3;
 /// Most triangles from where the nearest one was to where it is.
 const MAX_DESCENT: u32 = 256;
-/// How far from touching a triangle may be that friction acts on, as a share of the radius: above what is left of a
-/// settled step.
+/// How far from touching a triangle may be that friction acts on, as a share of the radius: above the rounding of a step.
 const TOUCH: f64 = 1e-7;
 /// How much nearer than a radius a triangle may be to a pad that is clear of it, as a share of the radius: above the
 /// rounding of a rest.
@@ -59,77 +60,154 @@ impl Pad<'_> {
             self.cone.starting
         };
         let mut slipped = false;
-        let mut last = None;
-        for _ in 0..MAX_STEPS {
-            let near = self.descend(triangle, centre);
+        let mut last = self.waiting(triangle, from);
+        for n in 0..MAX_STEPS {
+            let mut near = self.descend(triangle, centre);
+            // Shorter than a radius no step passes a triangle that it does not end at.
+            let mut most = self.radius / 2.0;
+            if near.distance > 1.5 * self.radius {
+                let t = self.nearest_in_reach(centre)?.triangle;
+                near = Near::of(self.surface, t, centre);
+                most += near.distance - self.radius;
+            }
             triangle = near.triangle;
-            let support = self.plane_of(&near, centre);
-            let to_hip = self.hip - centre;
-            let planes = self.gather(centre, support, self.span(support, to_hip, cone_radius));
-            let held = planes.nearest_to(to_hip, f64::INFINITY, self.lift);
-            if held.n_active == 0 {
-                let distance = to_hip.length();
-                if distance <= planes.span {
+            let mut planes = Planes::new();
+            if let Some(plane) = self.plane_of(&near, centre) {
+                planes.push(plane);
+            }
+            let (aim, step) = loop {
+                let aim = self.aim(&planes, centre, cone_radius);
+                let step = aim.step.clamp_length_max(most);
+                if aim.rests || (n > 0 && step.length() <= SETTLED * self.radius) {
+                    let ground = aim.ground?;
+                    return Some(ground.rest(centre, slipped));
+                }
+                let Some(t) = self.in_the_way(centre + step) else {
+                    break (aim, step);
+                };
+                match self.plane_of(&Near::of(self.surface, t, centre), centre) {
+                    Some(plane) if planes.has(t) || !planes.push(plane) => {
+                        break (aim, self.cut(centre, step));
+                    }
+                    Some(_) => {}
+                    None => break (aim, step),
+                }
+            };
+            let Some(ground) = aim.ground else {
+                if step == aim.step {
                     return None;
                 }
-                centre += to_hip * (planes.span / distance);
+                centre += step;
+                last = self.waiting(triangle, centre);
                 continue;
-            }
-            // What friction holds is told by the planes in touch alone: those ahead only end the step.
-            let frictionless = self.cone.moving == 0.0;
-            let touch = if frictionless {
-                held
-            } else {
-                planes.nearest_to(to_hip, TOUCH * self.radius + self.lift, self.lift)
             };
-            let ground = if touch.n_active > 0 { touch } else { held };
-            let first = planes.as_slice()[ground.active[0]];
-            triangle = first.triangle;
-            let up = ground.goal - to_hip;
-            let depth = up.length();
-            let rest = |centre: Vec3, slipped| Rest {
-                triangle,
-                proxy: centre,
-                normal: unit_or(up, first.normal),
-                depth,
-                foot: self.hip + up,
-                slipped,
-            };
-            let distance = ground.goal.length();
-            let mut step = held.goal;
-            if touch.n_active == 0 {
-                step = planes.allowed(to_hip, self.lift);
-            } else {
-                if distance <= cone_radius * depth * ON_CONE {
-                    return Some(rest(centre, slipped));
-                }
-                if !frictionless {
-                    let way = distance - self.cone.moving * depth;
-                    step = planes.allowed(touch.goal * (way / distance), self.lift);
-                }
+            if aim.slides {
                 slipped = true;
                 cone_radius = self.cone.moving;
             }
-            step = step.clamp_length_max(planes.span);
             centre += step;
-            let here = rest(centre, slipped);
-            if step.length() <= SETTLED * self.radius {
-                return Some(here);
+            triangle = ground.plane.triangle;
+            last = ground.rest(centre, slipped);
+            if step.length() <= self.lift {
+                break;
             }
-            last = Some(here);
         }
-        last
+        Some(last)
+    }
+
+    /// Where the half-spaces and friction let the centre go.
+    fn aim(&self, planes: &Planes, centre: Vec3, cone_radius: f64) -> Aim {
+        let to_hip = self.hip - centre;
+        let held = planes.nearest_to(to_hip, f64::INFINITY, self.lift);
+        if held.n_active == 0 {
+            return Aim {
+                step: to_hip,
+                slides: false,
+                rests: false,
+                ground: None,
+            };
+        }
+        let ground = |held: Held| {
+            let up = held.goal - to_hip;
+            Ground {
+                plane: planes.as_slice()[held.active[0]],
+                foot: self.hip + up,
+                up,
+            }
+        };
+        let mut aim = Aim {
+            step: held.goal,
+            slides: true,
+            rests: false,
+            ground: Some(ground(held)),
+        };
+        if self.cone.moving == 0.0 {
+            return aim;
+        }
+        // What friction holds is told by the planes in touch; a centre above them all falls straight for the HIP.
+        let touch = planes.nearest_to(to_hip, TOUCH * self.radius + self.lift, self.lift);
+        if touch.n_active == 0 {
+            aim.step = planes.allowed(to_hip, self.lift);
+            aim.slides = false;
+            return aim;
+        }
+        let here = ground(touch);
+        let (distance, depth) = (touch.goal.length(), here.up.length());
+        aim.ground = Some(here);
+        aim.rests = distance <= cone_radius * depth * ON_CONE;
+        if !aim.rests {
+            let target = touch.goal * ((distance - self.cone.moving * depth) / distance);
+            aim.step = planes.nearest_to(target, f64::INFINITY, self.lift).goal;
+        }
+        aim
+    }
+
+    /// A rest without a force, for a pad that has not come where it goes within a tick.
+    fn waiting(&self, triangle: u32, centre: Vec3) -> Rest {
+        Rest {
+            triangle,
+            proxy: centre,
+            normal: unit_or(centre - self.hip, Vec3::Z),
+            depth: 0.0,
+            foot: centre,
+            slipped: true,
+        }
+    }
+
+    /// A shorter step the same way that is clear of every triangle; none where there is none.
+    fn cut(&self, centre: Vec3, step: Vec3) -> Vec3 {
+        let mut step = step;
+        for _ in 0..MAX_CUTS {
+            step *= 0.25;
+            if self.in_the_way(centre + step).is_none() {
+                return step;
+            }
+        }
+        Vec3::ZERO
+    }
+
+    /// The triangle that a pad at `centre` would be deepest in.
+    fn in_the_way(&self, centre: Vec3) -> Option<u32> {
+        let clear = self.radius * (1.0 - 0.1 * CLEAR) - self.lift;
+        self.nearest_within(centre, clear).map(|near| near.triangle)
+    }
+
+    fn nearest_in_reach(&self, from: Vec3) -> Option<Nearest> {
+        let reach = self.radius + (self.hip - from).length() + self.lift;
+        self.nearest_within(from, reach)
+    }
+
+    fn nearest_within(&self, centre: Vec3, reach: f64) -> Option<Nearest> {
+        self.search
+            .nearest_where(self.surface, centre, reach, |t, at| {
+                self.faces(t, at, centre - at.point)
+            })
     }
 
     /// The nearest triangle that the motion from `from` could touch; `None` where there is none, or where the pad is not
     /// clear of it.
     fn first_in_reach(&self, from: Vec3) -> Option<u32> {
-        let reach = self.radius + (self.hip - from).length() + self.lift;
-        let near = self
-            .search
-            .nearest_where(self.surface, from, reach, |t, at| {
-                self.faces(t, at, from - at.point)
-            })?;
+        let near = self.nearest_in_reach(from)?;
         let clear = self.radius * (1.0 - CLEAR) - self.lift;
         (near.distance_sq >= clear * clear).then_some(near.triangle)
     }
@@ -168,74 +246,6 @@ impl Pad<'_> {
         here
     }
 
-    /// How far the centre may want to go in this step, mm: no farther than to its goal as far as `support` tells, less
-    /// what friction holds.
-    fn span(&self, support: Option<Plane>, to_hip: Vec3, cone_radius: f64) -> f64 {
-        let far = to_hip.length();
-        let want = match support {
-            None => far,
-            Some(p) => {
-                let depth = -(p.normal.dot(to_hip) + p.gap);
-                if depth <= 0.0 {
-                    far
-                } else if p.gap > 0.0 {
-                    (far * far - depth * depth).max(0.0).sqrt()
-                } else {
-                    let way = (to_hip + p.normal * depth).length();
-                    if way <= cone_radius * depth * ON_CONE {
-                        0.0
-                    } else {
-                        way - self.cone.moving * depth
-                    }
-                }
-            }
-        };
-        let most = self.radius.max(far / 4.0);
-        want.min(most) * (1.0 + 1e-9) + self.lift
-    }
-
-    /// The half-spaces of all triangles that a motion of `span` could touch.
-    fn gather(&self, centre: Vec3, support: Option<Plane>, span: f64) -> Planes {
-        let mut planes = Planes::new(span);
-        if let Some(p) = support {
-            planes.push(p);
-        }
-        let above = support.map(|p| (p.normal, -(p.gap + self.radius) + self.lift));
-        let own = support.map(|p| p.triangle);
-        self.search
-            .in_ball_above(centre, self.radius + span, above, |t| {
-                if Some(t) == own || self.is_under(t, centre, planes.as_slice(), own) {
-                    return;
-                }
-                let near = Near::of(self.surface, t, centre);
-                if near.distance > self.radius + planes.span {
-                    return;
-                }
-                if let Some(plane) = self.plane_of(&near, centre) {
-                    planes.push(plane);
-                }
-            });
-        planes.drop_if(|plane, all| {
-            !plane.is_face
-                && Some(plane.triangle) != own
-                && self.is_under(plane.triangle, centre, all, own)
-        });
-        planes
-    }
-
-    /// Whether one of those `planes` that stay, `own` and those of other faces, keeps the centre clear of triangle `t` too.
-    fn is_under(&self, t: u32, centre: Vec3, planes: &[Plane], own: Option<u32>) -> bool {
-        let Triangle { a, b, c } = self.surface.triangle(t);
-        let (a, b, c) = (a - centre, b - centre, c - centre);
-        planes.iter().any(|p| {
-            if p.triangle == t || !(p.is_face || Some(p.triangle) == own) {
-                return false;
-            }
-            let top = p.normal.dot(a).max(p.normal.dot(b)).max(p.normal.dot(c));
-            top <= self.lift - p.gap - self.radius
-        })
-    }
-
     /// The half-space that keeps the centre clear of one triangle; `None` where it is behind it.
     ///
     /// The triangle's own plane where the centre is a radius above it, since neighbours in one plane must not stop a
@@ -251,7 +261,6 @@ impl Pad<'_> {
             gap: slack,
             slack,
             triangle: near.triangle,
-            is_face: false,
         };
         let Some(face) = Face::of(self.surface, near.triangle) else {
             return leaning.normal.is_finite().then_some(leaning);
@@ -262,7 +271,6 @@ impl Pad<'_> {
             return Some(Plane {
                 normal: face.normal,
                 gap,
-                is_face: true,
                 ..leaning
             });
         }
@@ -298,6 +306,40 @@ impl Pad<'_> {
             let corners = self.surface.triangles()[t as usize];
             (0..3).any(|i| across[i] == RIM && (corners[i] == v || corners[(i + 1) % 3] == v))
         })
+    }
+}
+
+/// Where a step leads.
+struct Aim {
+    /// Seen from the centre, mm.
+    step: Vec3,
+    /// It is a motion in touch: friction is dynamic from here.
+    slides: bool,
+    /// Friction holds the pad where it is.
+    rests: bool,
+    /// What carries the pad; nothing where it is free.
+    ground: Option<Ground>,
+}
+
+/// What carries the pad.
+struct Ground {
+    plane: Plane,
+    /// The HIP's foot on it, mm.
+    foot: Vec3,
+    /// From the HIP to its foot, mm.
+    up: Vec3,
+}
+
+impl Ground {
+    fn rest(&self, centre: Vec3, slipped: bool) -> Rest {
+        Rest {
+            triangle: self.plane.triangle,
+            proxy: centre,
+            normal: unit_or(self.up, self.plane.normal),
+            depth: self.up.length(),
+            foot: self.foot,
+            slipped,
+        }
     }
 }
 

@@ -2,8 +2,8 @@
 
 use crate::geom::Vec3;
 
-/// Most half-spaces at once; the farthest give way to nearer ones.
-pub(super) const MOST_PLANES: usize = 48;
+/// Most half-spaces at once.
+const MOST_PLANES: usize = 24;
 /// Two planes whose normals differ by less than this sine count as one direction.
 const PARALLEL_SINE_SQ: f64 = 1e-18;
 /// What rounding makes of a projection onto nearly dependent planes, as a share of its length.
@@ -21,16 +21,12 @@ pub(super) struct Plane {
     /// How far the triangle itself is from touching, mm; at least `gap`.
     pub(super) slack: f64,
     pub(super) triangle: u32,
-    /// Whether it is the triangle's own plane, not one that leans on its edge or corner.
-    pub(super) is_face: bool,
 }
 
 /// The half-spaces about one centre.
 pub(super) struct Planes {
     all: [Plane; MOST_PLANES],
     len: usize,
-    /// How far the centre may move before something could be in the way that is not among the planes, mm.
-    pub(super) span: f64,
 }
 
 /// The place nearest to the HIP and up to three planes that hold it there, the one with the greatest share first.
@@ -43,11 +39,10 @@ pub(super) struct Held {
 }
 
 impl Planes {
-    pub(super) fn new(span: f64) -> Self {
+    pub(super) fn new() -> Self {
         Self {
             all: [Plane::default(); MOST_PLANES],
             len: 0,
-            span,
         }
     }
 
@@ -55,38 +50,19 @@ impl Planes {
         &self.all[..self.len]
     }
 
-    /// Adds a half-space; where all places are taken, the farthest is left out and the span shrinks to it: what lies under
-    /// it is no nearer than it is.
-    pub(super) fn push(&mut self, plane: Plane) {
-        if self.len < MOST_PLANES {
-            self.all[self.len] = plane;
-            self.len += 1;
-            return;
-        }
-        let mut farthest = 0;
-        for i in 1..self.len {
-            if self.all[i].gap > self.all[farthest].gap {
-                farthest = i;
-            }
-        }
-        let mut out = plane;
-        if plane.gap < self.all[farthest].gap {
-            out = std::mem::replace(&mut self.all[farthest], plane);
-        }
-        self.span = self.span.min(out.gap.max(0.0));
+    /// Whether the half-space of triangle `t` is among them.
+    pub(super) fn has(&self, t: u32) -> bool {
+        self.as_slice().iter().any(|p| p.triangle == t)
     }
 
-    /// Drops the half-spaces for which `is_needless` holds.
-    pub(super) fn drop_if(&mut self, mut is_needless: impl FnMut(&Plane, &[Plane]) -> bool) {
-        let mut i = 0;
-        while i < self.len {
-            if is_needless(&self.all[i], self.as_slice()) {
-                self.len -= 1;
-                self.all[i] = self.all[self.len];
-            } else {
-                i += 1;
-            }
+    /// Adds a half-space; whether there was a place for it.
+    pub(super) fn push(&mut self, plane: Plane) -> bool {
+        let fits = self.len < MOST_PLANES;
+        if fits {
+            self.all[self.len] = plane;
+            self.len += 1;
         }
+        fits
     }
 
     /// As much of `way` as all half-spaces allow.

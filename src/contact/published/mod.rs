@@ -159,12 +159,7 @@ pub fn pass(
     };
     let stand = collide(scene, &candidates, state, hip.position_mm);
     let contact = force(scene, stand.as_ref(), hip);
-    *state = ContactState {
-        touch: contact.touch,
-        proxy_mm: contact.anchor_mm,
-        triangle: contact.triangle,
-        behind: false,
-    };
+    *state = ContactState::after(hip.position_mm, &contact);
     (contact, candidates.counts.get())
 }
 

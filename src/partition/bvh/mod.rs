@@ -145,22 +145,6 @@ impl Bvh {
         query::nearest(self, surface, p, max_mm, accept)
     }
 
-    /// Calls `visit` with every triangle whose box comes within `reach_mm` of `p`, and perhaps some that come near;
-    /// where `above` is given, as unit normal and height over `p` in mm, only those whose box rises over that plane.
-    pub fn in_ball_above(
-        &self,
-        p: Vec3,
-        reach_mm: f64,
-        above: Option<(Vec3, f64)>,
-        mut visit: impl FnMut(u32),
-    ) {
-        query::in_ball_above(self, p, reach_mm, above, |start, count| {
-            self.order[start..start + count]
-                .iter()
-                .for_each(|&t| visit(t));
-        });
-    }
-
     /// Calls `visit` with every triangle whose box comes within `reach_mm` of `p`, and perhaps some that come near.
     pub fn around(&self, p: Vec3, reach_mm: f64, mut visit: impl FnMut(u32)) {
         let q = self.frame.to_box(p);

@@ -266,65 +266,6 @@ pub(super) fn leaves_in(
     }
 }
 
-/// Calls `leaf` with first position and length of every leaf whose box comes within `reach_mm` of `p` and rises over the
-/// plane `above`, given as unit normal and height over `p`.
-pub(super) fn in_ball_above(
-    bvh: &Bvh,
-    p: Vec3,
-    reach_mm: f64,
-    above: Option<(Vec3, f64)>,
-    mut leaf: impl FnMut(usize, usize),
-) {
-    let q = bvh.frame.to_box(p);
-    let pad = bvh.frame.pad(p);
-    let (low, high) = ((q - pad).to_array(), (q + pad).to_array());
-    let reach = reach_mm * bvh.frame.scale_per_mm * (1.0 + 1e-14) + pad;
-    let limit = reach * reach;
-    let plane = above.map(|(normal, height_mm)| {
-        let height = height_mm * bvh.frame.scale_per_mm + normal.dot(q) - 2.0 * pad;
-        (normal.to_array(), height)
-    });
-    let mut pending = Pending::new();
-    let mut next = (!bvh.nodes.is_empty()).then_some((0.0, 0));
-    while let Some((_, child)) = next {
-        match unpack(child) {
-            Child::Node(node) => {
-                let node = &bvh.nodes[node as usize];
-                let mut bounds = distances_sq(node, low, high);
-                if let Some((normal, height)) = plane {
-                    let top = highest(node, normal);
-                    for i in 0..4 {
-                        if top[i] <= height {
-                            bounds[i] = f64::INFINITY;
-                        }
-                    }
-                }
-                pending.push(bounds, node.child, limit);
-            }
-            Child::Leaf(start, count) => leaf(start, count),
-            Child::None => {}
-        }
-        next = pending.pop();
-    }
-}
-
-/// How far the four children reach along `normal`, in box units.
-#[expect(clippy::needless_range_loop, reason = "lanes of several arrays")]
-fn highest(node: &Node, normal: [f64; 3]) -> [f64; 4] {
-    let mut top = [0.0; 4];
-    for k in 0..3 {
-        let far = if normal[k] < 0.0 {
-            &node.min[k]
-        } else {
-            &node.max[k]
-        };
-        for i in 0..4 {
-            top[i] += f64::from(far[i]) * normal[k];
-        }
-    }
-    top
-}
-
 /// 0 for the children whose boxes share a point with the given one, 1 for the others.
 #[expect(clippy::needless_range_loop, reason = "lanes of several arrays")]
 fn apart(node: &Node, low: [f64; 3], high: [f64; 3]) -> [f64; 4] {
