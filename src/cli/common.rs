@@ -81,7 +81,8 @@ pub(super) fn load_mesh(mesh: &str) -> Result<Surface, CliError> {
     Ok(surface)
 }
 
-/// Height of the skin over a place of the map plane, mm, seen from behind; `None` beside the surface.
+/// Height at which a finger touches the skin over a place of the map plane, mm, seen from behind: a pad's centre is a
+/// radius above it. `None` beside the surface.
 pub(super) fn height_mm(scene: &Scene, x: f64, y: f64) -> Option<f64> {
     let bounds = scene.surface.bounds();
     let (from, to) = (
@@ -92,7 +93,7 @@ pub(super) fn height_mm(scene: &Scene, x: f64, y: f64) -> Option<f64> {
         .touch
         .search
         .sweep(&scene.surface, from, to, Sides::Front)
-        .map(|hit| hit.point.z)
+        .map(|hit| hit.point.z + scene.touch.choices.pad_mm().unwrap_or(0.0))
 }
 
 /// Where scripts press unless told otherwise, mm on the map plane: right of the middle, over the muscle of the built-in

@@ -9,7 +9,7 @@ pub struct Example {
     pub text: &'static str,
 }
 
-const EXAMPLES: [Example; 5] = [
+const EXAMPLES: [Example; 6] = [
     Example {
         file: "FIRST.toml",
         text: include_str!("../../assets/scenarios/FIRST.toml"),
@@ -25,6 +25,10 @@ const EXAMPLES: [Example; 5] = [
     Example {
         file: "loose_skin.toml",
         text: include_str!("../../assets/scenarios/loose_skin.toml"),
+    },
+    Example {
+        file: "fingertip.toml",
+        text: include_str!("../../assets/scenarios/fingertip.toml"),
     },
     Example {
         file: "published.toml",

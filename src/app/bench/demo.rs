@@ -32,7 +32,8 @@ impl Demo {
             let way = (self.time_s / APPROACH_S).min(1.0);
             let swing = 0.15 * libm::sin(3.0 * (self.time_s - APPROACH_S).max(0.0));
             let depth = -HEIGHT_MM + way * (HEIGHT_MM + DEPTHS_MM[i % 2] * (1.0 + swing));
-            hand.set(*point - *normal * depth);
+            let pad_mm = scene.touch.choices.pad_mm().unwrap_or(0.0);
+            hand.set(*point + *normal * (pad_mm - depth));
         }
     }
 }

@@ -251,8 +251,10 @@ fn skin_under(scene: &Scene, ray: &Ray) -> Option<SkinPoint> {
     let normal: Vec3 = (0..3)
         .map(|i| surface.normals()[corners[i] as usize] * weights[i])
         .sum();
+    let normal = unit_or(normal, triangle.normal());
+    let pad_mm = scene.touch.choices.pad_mm().unwrap_or(0.0);
     Some(SkinPoint {
-        point_mm: hit.point,
-        normal: unit_or(normal, triangle.normal()),
+        point_mm: hit.point + normal * pad_mm,
+        normal,
     })
 }

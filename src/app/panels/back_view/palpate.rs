@@ -19,7 +19,7 @@ const FIRST_DEPTH_MM: f64 = 6.0;
 /// A place on the rest surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkinPoint {
-    /// Where, mm.
+    /// Where a finger just touches there, mm: on the skin, or a pad's radius above it.
     pub point_mm: Vec3,
     /// Outward unit normal, interpolated over the triangle.
     pub normal: Vec3,
