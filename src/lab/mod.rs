@@ -1,7 +1,7 @@
 //! Experiments behind one trait, each of which answers with typed tables, plots and verdicts.
 //!
 //! An experiment is one file and one line in [`all`]; names that share what stands before a hyphen form a group, which
-//! can be asked for by that word. Results are values: printing is the command line's business, and [`write`] puts them
+//! can be asked for by that word. Results are values: printing is the command line's business, and [`write()`] puts them
 //! into a folder, all files or none.
 //!
 //! Times are measured on the machine at hand and say so; what must hold does not depend on them.
