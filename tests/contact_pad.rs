@@ -6,11 +6,12 @@ use dorsum::contact::{
     Choices, Contact, ContactState, Friction, Stiffness, Touch, TouchScene, advance,
 };
 use dorsum::geom::{Triangle, Vec3, unit_or};
+use dorsum::partition::Partition as _;
 use dorsum::partition::bvh::Bvh;
 use dorsum::surface::primitives::{
     bench_height, bench_patch, bench_path, cuboid, height_field, icosphere,
 };
-use dorsum::surface::{RawMesh, Surface};
+use dorsum::surface::{RawMesh, Surface, torture};
 use proptest::prelude::*;
 use std::sync::Arc;
 
@@ -394,6 +395,77 @@ proptest! {
             let left = unheld(to_hip, &touching(&s.surface, centre, radius, 1e-7));
             prop_assert!(left <= 1e-5 * (1.0 + to_hip.length()), "{left} of {to_hip}");
             prop_assert!((c.depth_mm - to_hip.length()).abs() < 1e-6);
+        }
+    }
+}
+
+/// The torture surfaces at every speed: never nearer than a radius, never inside, nothing that is no number, no step away from
+/// the finger, no pull beyond the cone.
+#[test]
+fn no_surface_breaks_the_pad() {
+    for case in torture::all(1) {
+        for (friction, step) in [
+            (None, 0.01),
+            (None, 0.1),
+            (None, 1.0),
+            (None, 10.0),
+            (skin(), 0.1),
+            (skin(), 10.0),
+        ] {
+            let radius = 0.05;
+            let s = scene(case.mesh.clone(), radius, friction);
+            let start = case.path[0];
+            if closest(&s.surface, start) <= radius {
+                // The path starts where no pad fits in.
+                assert_eq!(case.name, "0.1° slot");
+                continue;
+            }
+            let mut state = at(start);
+            let (mut from, mut ticks) = (start, 0);
+            'path: for corner in case.path[1..].iter().cycle() {
+                while from != *corner {
+                    let way = *corner - from;
+                    let hip = if way.length() <= step {
+                        *corner
+                    } else {
+                        from + unit_or(way, Vec3::ZERO) * step
+                    };
+                    let before = state.proxy_mm;
+                    let c = advance(&s, &mut state, hip);
+                    let told = || format!("{} at {step} mm, tick {ticks}, {hip}: {c:?}", case.name);
+                    assert!(
+                        c.force_n.is_finite() && c.anchor_mm.is_finite(),
+                        "{}",
+                        told()
+                    );
+                    if c.touch != Touch::Free {
+                        let near = s.search.nearest(&s.surface, c.anchor_mm, radius);
+                        let clearance = near.map_or(radius, |n| n.distance_sq.sqrt());
+                        assert!(
+                            clearance >= radius * (1.0 - 1e-8),
+                            "{clearance}: {}",
+                            told()
+                        );
+                        let pull = c.foot_mm.distance(c.anchor_mm);
+                        assert!(
+                            pull <= 0.46 * c.depth_mm * (1.0 + 1e-9) + 1e-9,
+                            "{pull}: {}",
+                            told()
+                        );
+                    }
+                    let depth = case.truth.depth_mm(c.anchor_mm);
+                    assert!(depth <= 1e-9, "{depth}: {}", told());
+                    if friction.is_none() {
+                        let (far, was) = (hip.distance(c.anchor_mm), hip.distance(before));
+                        assert!(far <= was + 1e-9, "{far} from {was}: {}", told());
+                    }
+                    from = hip;
+                    ticks += 1;
+                    if ticks == 1500 {
+                        break 'path;
+                    }
+                }
+            }
         }
     }
 }

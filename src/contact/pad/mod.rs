@@ -28,8 +28,9 @@ const MAX_CUTS: u32 = 4;
 const SETTLED: f64 = 1e-3;
 /// Most triangles from where the nearest one was to where it is.
 const MAX_DESCENT: u32 = 256;
-/// How far from touching a triangle may be that friction acts on, as a share of the radius: above the rounding of a step.
-const TOUCH: f64 = 1e-7;
+/// How far from touching a triangle may be that friction acts on, as a share of the radius: what is left of a settled step
+/// towards it, and then some.
+const TOUCH: f64 = 2.0 * SETTLED;
 /// How much nearer than a radius a triangle may be to a pad that is clear of it, as a share of the radius: above the
 /// rounding of a rest.
 const CLEAR: f64 = 1e-9;
@@ -80,7 +81,7 @@ impl Pad<'_> {
                 let step = aim.step.clamp_length_max(most);
                 if aim.rests || (n > 0 && step.length() <= SETTLED * self.radius) {
                     let ground = aim.ground?;
-                    return Some(ground.rest(centre, slipped));
+                    return Some(ground.rest(centre, slipped, self.cone));
                 }
                 let Some(t) = self.in_the_way(centre + step) else {
                     break (aim, step);
@@ -107,7 +108,7 @@ impl Pad<'_> {
             }
             centre += step;
             triangle = ground.plane.triangle;
-            last = ground.rest(centre, slipped);
+            last = ground.rest(centre, slipped, self.cone);
             if step.length() <= self.lift {
                 break;
             }
@@ -331,13 +332,16 @@ struct Ground {
 }
 
 impl Ground {
-    fn rest(&self, centre: Vec3, slipped: bool) -> Rest {
+    /// At rest at `centre`, with no more pull than friction holds.
+    fn rest(&self, centre: Vec3, slipped: bool, cone: Cone) -> Rest {
+        let depth = self.up.length();
+        let most = cone.starting * depth;
         Rest {
             triangle: self.plane.triangle,
             proxy: centre,
             normal: unit_or(self.up, self.plane.normal),
-            depth: self.up.length(),
-            foot: self.foot,
+            depth,
+            foot: centre + (self.foot - centre).clamp_length_max(most),
             slipped,
         }
     }
