@@ -79,8 +79,8 @@ impl Pad<'_> {
             let (aim, step) = loop {
                 let aim = self.aim(&planes, centre, cone_radius);
                 let step = aim.step.clamp_length_max(most);
-                if aim.rests || (n > 0 && step.length() <= SETTLED * self.radius) {
-                    let ground = aim.ground?;
+                let settled = n > 0 && step.length() <= SETTLED * self.radius;
+                if let Some(ground) = aim.ground.as_ref().filter(|_| aim.rests || settled) {
                     return Some(ground.rest(centre, slipped, self.cone));
                 }
                 let Some(t) = self.in_the_way(centre + step) else {
