@@ -88,7 +88,7 @@ struct Beside {
 
 impl Beside {
     fn measure(case: &Case, scene: Scene, ticks: Vec<Cost>, clock_ns: f64) -> Self {
-        let [_, point, _, pad] = ticks.try_into().unwrap_or_else(|_| panic!("four fingers"));
+        let [_, point, _, pad, _, _] = ticks.try_into().unwrap_or_else(|_| panic!("six fingers"));
         let triangles = scene.triangles();
         let per_triangle = |bytes: usize| bytes as f64 / triangles as f64;
         let small = triangles <= 50_000;

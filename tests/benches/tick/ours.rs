@@ -2,7 +2,9 @@
 
 use crate::cases::Case;
 use crate::measure::{Cost, timed_ms};
-use dorsum::contact::{Choices, ContactState, Friction, Stiffness, Touch, TouchScene, advance};
+use dorsum::contact::{
+    Choices, ContactState, Friction, Shading, Stiffness, Touch, TouchScene, advance,
+};
 use dorsum::device::Reading;
 use dorsum::geom::Vec3;
 use dorsum::partition::{Partition, bvh::Bvh};
@@ -26,22 +28,30 @@ pub struct Fingers {
     offset_mm: f64,
     friction: bool,
     radius_mm: f64,
+    shaded: bool,
 }
 
 impl Fingers {
-    /// Without friction, with it, above the surface, with a finger pad.
-    pub fn all() -> [Self; 4] {
+    /// Without friction, with it, above the surface, with a finger pad, with force shading.
+    pub fn all() -> [Self; 6] {
         let finger = |name, offset_mm, friction, radius_mm| Self {
             name,
             offset_mm,
             friction,
             radius_mm,
+            shaded: false,
+        };
+        let shaded = |name, friction| Self {
+            shaded: true,
+            ..finger(name, -5.0, friction, 0.0)
         };
         [
             finger("frictionless", -5.0, false, 0.0),
             finger("friction", -5.0, true, 0.0),
             finger("hover", 30.0, true, 0.0),
             finger("5 mm pad", -5.0, true, PAD_MM),
+            shaded("shaded", false),
+            shaded("shaded, fr.", true),
         ]
     }
 }
@@ -105,6 +115,7 @@ impl Scene {
                 finger_radius_mm: finger.radius_mm * self.unit,
                 ..Choices::default()
             },
+            shading: finger.shaded.then(|| Shading::of(&self.surface)),
             ..TouchScene::new(self.surface.clone(), self.search.clone(), stiffness)
         }
     }
