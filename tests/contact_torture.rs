@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// where the free space is convex, is in a local minimum elsewhere, its pull is in the cone, and nothing comes from nothing.
 #[test]
 fn no_surface_breaks_the_proxy() {
-    for engine in ENGINES {
+    for engine in ENGINES.iter().filter(|e| e.must_pass) {
         for case in all(1) {
             let mut touched = 0;
             for &place in PLACES {
@@ -43,7 +43,7 @@ fn no_surface_breaks_the_proxy() {
 /// the gradient of half the squared distance.
 #[test]
 fn over_a_closed_path_no_energy_comes_from_nothing() {
-    for engine in ENGINES {
+    for engine in ENGINES.iter().filter(|e| e.must_pass) {
         for case in all(2) {
             let e = closed_path_energy(&case, engine, 0.7, 600).unwrap();
             assert!(e.work > 1.0, "{}: {e:?}", case.name);

@@ -175,24 +175,27 @@ impl Sum {
     }
 
     fn judge(&self, engine: &Engine, report: &mut Report) {
-        let mut none = |what: &str, count: usize| {
-            report.verdicts.push(Verdict::must(
-                format!("{}: {what}", engine.name),
-                format!("{count} of {} ticks", self.ticks),
-                "none",
-                count == 0,
-            ));
+        let mut push = |what: &str, measured: String, goal: String, holds: bool| {
+            report.verdicts.push(Verdict {
+                required: engine.must_pass,
+                ..Verdict::must(format!("{}: {what}", engine.name), measured, goal, holds)
+            });
         };
-        none("through the surface", self.through);
-        none("not finite", self.not_finite);
-        none("elsewhere than the closest point", self.misplaced);
-        none("stuck", self.stuck);
-        none("pull beyond the friction cone", self.beyond_cone);
-        report.verdicts.push(Verdict::must(
-            format!("{}: energy from nothing over work", engine.name),
+        for (what, count) in [
+            ("through the surface", self.through),
+            ("not finite", self.not_finite),
+            ("elsewhere than the closest point", self.misplaced),
+            ("stuck", self.stuck),
+            ("pull beyond the friction cone", self.beyond_cone),
+        ] {
+            let measured = format!("{count} of {} ticks", self.ticks);
+            push(what, measured, "none".into(), count == 0);
+        }
+        push(
+            "energy from nothing over work",
             format!("{:.1e}", self.from_nothing),
             format!("at most {ROUNDING:.0e}"),
             self.from_nothing <= ROUNDING,
-        ));
+        );
     }
 }

@@ -1,6 +1,8 @@
 //! One engine on one awkward surface: its path followed tick by tick and held against the truth.
 
-use crate::contact::{Contact, ContactState, Friction, Stiffness, Touch, TouchScene, advance};
+use crate::contact::{
+    Contact, ContactState, Friction, Stiffness, Touch, TouchScene, advance, published,
+};
 use crate::geom::{Vec3, unit_or};
 use crate::partition::{Sides, bvh::Bvh};
 use crate::surface::torture::{Case, Truth, closest_in};
@@ -14,6 +16,8 @@ pub struct Engine {
     pub name: &'static str,
     /// Sets the choices.
     pub choose: fn(&mut TouchScene),
+    /// Whether it must pass: of the published one it is only told where it fails.
+    pub must_pass: bool,
 }
 
 /// Every engine.
@@ -21,10 +25,24 @@ pub const ENGINES: &[Engine] = &[
     Engine {
         name: "point",
         choose: |_| {},
+        must_pass: true,
     },
     Engine {
         name: "point, both sides",
         choose: |scene| scene.choices.sides = Sides::Both,
+        must_pass: true,
+    },
+    Engine {
+        name: "published, all triangles",
+        choose: |scene| {
+            let options = published::Options {
+                partition: "brute",
+                ..published::Options::default()
+            };
+            let built = published::Published::build(&scene.surface, &options, &mut |_| true);
+            scene.published = built.ok().flatten().map(Arc::new);
+        },
+        must_pass: false,
     },
 ];
 
