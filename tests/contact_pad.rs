@@ -276,6 +276,34 @@ fn what_comes_out_from_inside_feels_nothing_until_it_is_clear() {
 }
 
 #[test]
+fn what_is_no_number_and_what_is_no_radius_do_no_harm() {
+    for radius in [R, 1e-300, 1e300, f64::NAN, f64::INFINITY, -1.0] {
+        for friction in [None, skin()] {
+            let s = scene(flat(40.0), radius, friction);
+            for bad in [f64::NAN, f64::INFINITY, f64::MIN_POSITIVE, 1e300] {
+                let mut state = at(Vec3::Z * 9.0);
+                for hip in [
+                    Vec3::new(1.0, bad, 2.0),
+                    Vec3::new(1.0, 2.0, 1.0),
+                    Vec3::splat(bad),
+                ] {
+                    let c = advance(&s, &mut state, hip);
+                    let sane = c.force_n.is_finite() && c.normal.is_finite();
+                    assert!(sane && c.depth_mm.is_finite(), "{radius} {hip}: {c:?}");
+                }
+                // A state out of nowhere.
+                let mut lost = ContactState {
+                    touch: Touch::Slip,
+                    ..at(Vec3::splat(bad))
+                };
+                let c = advance(&s, &mut lost, Vec3::new(1.0, 2.0, 1.0));
+                assert!(c.force_n.is_finite(), "{radius} {bad}: {c:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_small_pad_feels_what_a_point_feels() {
     let radius = 0.01;
     let mesh = bench_patch(2962);

@@ -142,6 +142,23 @@ fn the_state_is_what_the_record_of_a_tick_says() {
     }
 }
 
+#[test]
+fn a_balance_that_is_no_number_is_forgotten() {
+    let s = scene(bench_patch(2962), None, true);
+    for bad in [f64::NAN, f64::INFINITY, -1.0, 1e300] {
+        let mut state = at(bench_path(0.0, 10.0));
+        advance(&s, &mut state, bench_path(0.0, -3.0));
+        state.guard.credit_mj = bad;
+        state.guard.felt_depth_mm = bad;
+        state.guard.force_n = Vec3::splat(bad);
+        for i in 1..50 {
+            let c = advance(&s, &mut state, bench_path(1e-3 * f64::from(i), -3.0));
+            let sane = c.force_n.is_finite() && c.felt_depth_mm.is_finite();
+            assert!(sane && c.credit_mj >= 0.0, "{bad} {i}: {c:?}");
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 

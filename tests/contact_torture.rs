@@ -1,5 +1,5 @@
 //! The contact engine on surfaces that break contact engines, at every speed, size and place. The whole, with more ticks and
-//! the cost of each, is `dorsum lab contact`.
+//! the cost of each, is `dorsum lab contact-torture`.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 

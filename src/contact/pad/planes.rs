@@ -78,10 +78,10 @@ impl Planes {
         way * part
     }
 
-    /// The point of all half-spaces of triangles `within` this of touching that is nearest to `hip`, seen from the centre like it: the projection onto a convex
-    /// polyhedron, by a dual active set of at most three planes (Goldfarb & Idnani 1983, in three dimensions by trying
-    /// the at most seven subsets). Where the planes are too nearly dependent to tell, as far on the way there as
-    /// all of them allow.
+    /// The point nearest to `hip`, seen from the centre like it, of all half-spaces whose triangles are `within` this of
+    /// touching: the projection onto a convex polyhedron, by a dual active set of at most three planes (Goldfarb & Idnani
+    /// 1983, in three dimensions by trying the at most seven subsets). Where the planes are too nearly dependent to tell,
+    /// as far on the way there as all of them allow.
     pub(super) fn nearest_to(&self, hip: Vec3, within: f64, rounding: f64) -> Held {
         let mut held = Held {
             goal: hip,
