@@ -3,10 +3,12 @@
 //! All coordinates are mm in the frame of the subject: x to the subject's right, y to the head, z out of the back.
 
 mod aabb;
+mod monotone;
 mod triangle;
 
 pub use aabb::Aabb;
 pub use glam::{DVec2 as Vec2, DVec3 as Vec3};
+pub use monotone::Monotone;
 pub use triangle::{Crossing, Feature, Triangle, TrianglePoint};
 
 /// `v` scaled to length 1, or `fallback` where `v` is too short or not finite to have a direction.

@@ -1,24 +1,7 @@
-//! The outline of a dent on the skin, and the location ratio q of a point in it (Ji 2008, 4.4).
+//! The true ellipse.
 
-use crate::geom::{Aabb, Vec3, any_tangent, unit_or};
-
-/// Below this |n·z| the skin stands so steep on the map plane (beyond 60°) that a direction carried over along z is mostly
-/// its rise; see [`major_axis_on_skin`].
-const STEEPEST_NORMAL_Z: f64 = 0.5;
-
-/// An outline around the centre of a dent, in which every point has a location ratio.
-pub trait Outline {
-    /// The location ratio q of a point, mm: 0 at the centre, below 1 inside, 1 on the boundary, ≥ 1 outside.
-    fn ratio(&self, point: Vec3) -> f64;
-
-    /// Whether the segment between two points, mm, has a point inside.
-    fn reaches(&self, from: Vec3, to: Vec3) -> bool;
-
-    /// Whether all of a box is inside for certain. Answering false is always right, only slower.
-    fn holds(&self, _bounds: &Aabb) -> bool {
-        false
-    }
-}
+use super::{Outline, major_axis_on_skin};
+use crate::geom::{Aabb, Vec3, unit_or};
 
 /// The true ellipse q² = (u/a)² + (v/b)² in its own axes on the tangent plane at its centre.
 ///
@@ -113,40 +96,12 @@ impl Outline for Ellipse {
     }
 }
 
-/// The direction `angle_rad` of the map plane (from x), carried over along z to the tangent plane with the unit `normal`.
-///
-/// Unit length: lengths of an ellipse are measured on the skin, so only the direction is carried over and the basic circle
-/// is a circle on any slope. The rise −(d·n)/n_z grows without bound where the normal comes near the map plane (the
-/// flanks) and its sign there hangs on rounding. So beyond 60° of tilt it is replaced by −(d·n) n_z / 0.25, which joins on
-/// continuously and falls back to 0, and the direction is then projected along the normal: on a vertical wall the major
-/// axis is the map direction itself, flattened on the wall. Where even that has no direction (a wall that faces along
-/// `angle_rad`) any tangent is taken.
-pub fn major_axis_on_skin(normal: Vec3, angle_rad: f64) -> Vec3 {
-    let (sin, cos) = libm::sincos(angle_rad);
-    let on_map = Vec3::new(cos, sin, 0.0);
-    let steep_sq = (normal.z * normal.z).max(STEEPEST_NORMAL_Z * STEEPEST_NORMAL_Z);
-    let raised = on_map - Vec3::Z * (on_map.dot(normal) * normal.z / steep_sq);
-    // On gentle slopes `raised` lies in the plane already and this only removes its rounding.
-    let tangent = raised - normal * raised.dot(normal);
-    if tangent.length_squared() > 1e-18 {
-        unit_or(tangent, Vec3::X)
-    } else {
-        any_tangent(normal)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::deform::footprint::tests::unit;
     use proptest::prelude::*;
-    use std::f64::consts::{FRAC_PI_2, PI};
-
-    fn unit() -> impl Strategy<Value = Vec3> {
-        (-1.0..1.0_f64, 0.0..2.0 * PI).prop_map(|(z, phi)| {
-            let r = (1.0 - z * z).sqrt();
-            Vec3::new(r * phi.cos(), r * phi.sin(), z)
-        })
-    }
+    use std::f64::consts::FRAC_PI_2;
 
     proptest! {
         #[test]
@@ -162,18 +117,6 @@ mod tests {
             let (u, v) = ((d - o).dot(major), (d - o).dot(minor));
             let q = ((u / a).powi(2) + (v / b).powi(2)).sqrt();
             prop_assert!((ellipse.ratio(j) - q).abs() <= 1e-11 * (1.0 + q));
-        }
-
-        #[test]
-        fn the_major_axis_is_a_unit_tangent_above_its_map_direction(n in unit(), angle in -4.0..4.0_f64) {
-            let d = major_axis_on_skin(n, angle);
-            prop_assert!((d.length() - 1.0).abs() < 1e-12);
-            prop_assert!(d.dot(n).abs() < 1e-9);
-            if n.z.abs() >= STEEPEST_NORMAL_Z {
-                let (s, c) = angle.sin_cos();
-                prop_assert!((d.x * s - d.y * c).abs() < 1e-12, "seen along z it keeps its direction");
-                prop_assert!(d.x * c + d.y * s > 0.0);
-            }
         }
 
         #[test]
@@ -214,24 +157,6 @@ mod tests {
     }
 
     #[test]
-    fn the_axis_turns_continuously_from_the_back_over_the_flank_to_the_chest() {
-        for angle in [0.0, 0.4, FRAC_PI_2, 2.0] {
-            let mut last = None;
-            for i in 0..=18_000 {
-                // Slightly off the x–z plane, where the projection along z alone would swing round.
-                let tilt = PI * i as f64 / 18_000.0;
-                let n = unit_or(Vec3::new(tilt.sin(), 0.05, tilt.cos()), Vec3::Z);
-                let axis = major_axis_on_skin(n, angle);
-                if let Some(last) = last {
-                    let turned = axis.cross(last).length();
-                    assert!(turned < 0.02, "angle {angle}, tilt {tilt}: turned {turned}");
-                }
-                last = Some(axis);
-            }
-        }
-    }
-
-    #[test]
     fn empty_and_broken_ellipses_are_none() {
         let make = |a, b, n| Ellipse::new(Vec3::ZERO, n, a, b, 0.0);
         assert!(make(0.0, 1.0, Vec3::Z).is_none());
@@ -243,6 +168,5 @@ mod tests {
         let sound = make(1.0, 1.0, Vec3::Z).unwrap();
         assert!(sound.scaled(0.0).is_none());
         assert!(sound.scaled(f64::NAN).is_none());
-        assert_eq!(major_axis_on_skin(Vec3::X, 0.0).dot(Vec3::X), 0.0);
     }
 }
