@@ -4,7 +4,6 @@
 //! nothing of the others: [`footprint`] how far out a point lies (the ratio q), [`curve`] how much is left there (M(q)),
 //! [`RingSearch`] which vertices hang together with the finger.
 
-pub mod curve;
 pub mod footprint;
 pub mod models;
 mod patches;
@@ -15,6 +14,7 @@ use crate::contact::{Contact, Touch};
 use crate::geom::Vec3;
 use crate::surface::Surface;
 
+pub use crate::geom::curve;
 pub use patches::Patches;
 pub use ring::RingSearch;
 

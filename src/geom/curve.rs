@@ -1,4 +1,5 @@
-//! The falloff from the centre of a dent to its rim, as an array over the location ratio q (Ji 2008, 4.2.1).
+//! Falloffs over a ratio q: from the centre of a dent to its rim, from a key of a map to the rim of its effect (Ji 2008,
+//! 4.2.1, 5.2.2).
 
 /// Samples of the published array.
 pub const PUBLISHED_SIZE: usize = 700;
