@@ -12,7 +12,7 @@
 //! | [`geom`] | where is the closest point, where does a segment cross |
 //! | [`surface`] | what is the skin: mesh, adjacency, repair, file formats, the built-in back |
 //! | [`partition`] | which triangles are near, which does a motion cross |
-//! | [`maps`] | how stiff is the skin at a point |
+//! | [`maps`] | how stiff is the skin at a point, in which ellipse does it give way |
 //! | [`contact`] | where is the proxy, what force does the finger feel |
 //! | [`deform`] | how does the drawn skin move |
 //! | [`device`] | where is the finger, who takes the force |

@@ -1,4 +1,4 @@
-//! Fields over the map plane (x–y): how stiff the skin is at a point.
+//! Fields over the map plane (x–y): how stiff the skin is at a point, and which ellipse it gives way in.
 //!
 //! A map is a list of keys, checked at the door, and a continuous function through them. One file per map (what the keys
 //! mean, which values are allowed, what is refused) and one per function (how values between keys come about; it knows
@@ -7,11 +7,42 @@
 //! | file | holds |
 //! |---|---|
 //! | [`stiffness`] | the stiffness map: N/mm |
+//! | [`ellipse`] | the ellipse map: how far and which way a drag carries the skin (Ji 2008, 5.1–5.3) |
 //! | `natural` | natural neighbour interpolation (Sibson 1981), with its extension beyond the hull of the keys |
+//! | [`gri`] | Gaussian radial interpolation (Ji 2008, 5.2), as published and corrected |
 //!
 //! Values are the same bits on every machine and for any number of threads.
 
+pub mod ellipse;
+mod error;
+pub mod gri;
 mod natural;
+mod parallel;
+mod places;
 pub mod stiffness;
 
-pub use stiffness::{Fit, MapError, StiffnessKey, StiffnessMap};
+use crate::geom::Vec2;
+
+pub use ellipse::{AngleRule, EllipseField, EllipseKey, EllipseMap, EllipseSettings, Oval};
+pub use error::MapError;
+pub use gri::{Form, Level};
+pub use stiffness::{Fit, StiffnessKey, StiffnessMap};
+
+/// Largest coordinate of a key, mm.
+pub const MAX_COORDINATE_MM: f64 = 1.0e6;
+
+/// A place that a map can answer for: a coordinate that is not a number counts as 0, one beyond 1e6 mm as 1e6 mm.
+fn on_map(place: Vec2) -> Vec2 {
+    let limited = |x: f64| {
+        if x.is_nan() {
+            0.0
+        } else {
+            x.clamp(-MAX_COORDINATE_MM, MAX_COORDINATE_MM)
+        }
+    };
+    Vec2::new(limited(place.x), limited(place.y))
+}
+
+fn on_the_map(at: Vec2) -> bool {
+    at.is_finite() && at.abs().max_element() <= MAX_COORDINATE_MM
+}

@@ -1,18 +1,12 @@
 //! The stiffness map: measured keys, fitted by a continuous function.
 
 use super::natural::{NaturalNeighbour, Sample, TOUCHING_MM};
+use super::{MapError, on_map, on_the_map, parallel, places};
 use crate::geom::Vec2;
 use crate::surface::Surface;
-use std::sync::{Mutex, PoisonError};
 
 /// Largest stiffness a key may state, N/mm: steel is below it.
 pub const MAX_STIFFNESS_N_PER_MM: f64 = 1.0e6;
-
-/// Largest coordinate of a key, mm.
-pub const MAX_COORDINATE_MM: f64 = 1.0e6;
-
-/// Vertices a thread takes at a time: some milliseconds of work, against tens of µs for starting a thread.
-const PART: usize = 16_384;
 
 /// A measured stiffness.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,48 +23,6 @@ pub enum Fit {
     /// Natural neighbour (Sibson 1981) inside the hull of the keys; outside, the value at the closest point of the hull.
     #[default]
     Natural,
-}
-
-/// Why a map is refused. Keys are counted from 1.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum MapError {
-    /// There is no key.
-    #[error("the stiffness map has no keys; at least one is needed")]
-    NoKeys,
-    /// A key lies nowhere.
-    #[error("stiffness key {key} at ({}, {}) mm: coordinates must be numbers within ±{MAX_COORDINATE_MM} mm", at.x, at.y)]
-    Place {
-        /// Which key.
-        key: usize,
-        /// Its place as stated, mm.
-        at: Vec2,
-    },
-    /// A key states no stiffness.
-    #[error(
-        "stiffness key {key} at ({}, {}) mm: stiffness_n_per_mm is {value}; it must be above 0 and at most \
-         {MAX_STIFFNESS_N_PER_MM}", at.x, at.y
-    )]
-    Value {
-        /// Which key.
-        key: usize,
-        /// Its place, mm.
-        at: Vec2,
-        /// Its stiffness as stated, N/mm.
-        value: f64,
-    },
-    /// One place, two stiffnesses.
-    #[error(
-        "stiffness keys {} and {} are both at ({}, {}) mm but state {} and {} N/mm; keep one of them",
-        keys[0], keys[1], at.x, at.y, values[0], values[1]
-    )]
-    Conflict {
-        /// Which keys.
-        keys: [usize; 2],
-        /// The place of the first, mm.
-        at: Vec2,
-        /// Their stiffnesses, N/mm.
-        values: [f64; 2],
-    },
 }
 
 /// Stiffness over the map plane, N/mm. Positive, finite and within the range of its keys everywhere; continuous.
@@ -103,8 +55,9 @@ impl StiffnessMap {
     pub fn new(keys: Vec<StiffnessKey>, fit: Fit) -> Result<Self, MapError> {
         for (i, k) in keys.iter().enumerate() {
             let (key, at, value) = (i + 1, k.at, k.stiffness_n_per_mm);
-            if !(at.abs().max_element() <= MAX_COORDINATE_MM && at.is_finite()) {
-                return Err(MapError::Place { key, at });
+            if !on_the_map(at) {
+                let map = "stiffness";
+                return Err(MapError::Place { map, key, at });
             }
             if !(value > 0.0 && value <= MAX_STIFFNESS_N_PER_MM) {
                 return Err(MapError::Value { key, at, value });
@@ -143,30 +96,9 @@ impl StiffnessMap {
             return vec![k; positions.len()];
         }
         let mut values = vec![0.0; positions.len()];
-        let parts = Mutex::new(values.chunks_mut(PART).zip(positions.chunks(PART)));
-        let work = || {
+        parallel::fill(&mut values, positions, || {
             let mut reader = self.field.reader();
-            loop {
-                let part = parts.lock().unwrap_or_else(PoisonError::into_inner).next();
-                let Some((values, positions)) = part else {
-                    return;
-                };
-                for (value, p) in values.iter_mut().zip(positions) {
-                    *value = reader.at(on_map(p.truncate()));
-                }
-            }
-        };
-        let n_helpers = std::thread::available_parallelism()
-            .map_or(1, usize::from)
-            .min(positions.len().div_ceil(PART))
-            .saturating_sub(1);
-        std::thread::scope(|scope| {
-            for _ in 0..n_helpers {
-                // A helper that cannot be had is done without.
-                let builder = std::thread::Builder::new().name("stiffness map".into());
-                let _ = builder.spawn_scoped(scope, work);
-            }
-            work();
+            move |p| reader.at(on_map(p.truncate()))
         });
         values
     }
@@ -179,42 +111,20 @@ impl StiffnessMap {
     }
 }
 
-fn on_map(place: Vec2) -> Vec2 {
-    let limited = |x: f64| {
-        if x.is_nan() {
-            0.0
-        } else {
-            x.clamp(-MAX_COORDINATE_MM, MAX_COORDINATE_MM)
-        }
-    };
-    Vec2::new(limited(place.x), limited(place.y))
-}
-
 /// Samples for the fit: the first key of each place.
 fn one_per_place(keys: &[StiffnessKey]) -> Result<Vec<Sample>, MapError> {
-    let mut order: Vec<usize> = (0..keys.len()).collect();
-    order.sort_by(|&i, &j| keys[i].at.x.total_cmp(&keys[j].at.x).then(i.cmp(&j)));
-    let mut repeated = vec![false; keys.len()];
-    for (rank, &i) in order.iter().enumerate() {
-        for &j in &order[rank + 1..] {
-            if keys[j].at.x - keys[i].at.x > TOUCHING_MM {
-                break;
-            }
-            if keys[i].at.distance_squared(keys[j].at) > TOUCHING_MM * TOUCHING_MM {
-                continue;
-            }
-            let (i, j) = (i.min(j), i.max(j));
-            let values = [keys[i], keys[j]].map(|k| k.stiffness_n_per_mm);
-            if values[0] != values[1] {
-                return Err(MapError::Conflict {
-                    keys: [i + 1, j + 1],
-                    at: keys[i].at,
-                    values,
-                });
-            }
-            repeated[j] = true;
+    let at: Vec<Vec2> = keys.iter().map(|k| k.at).collect();
+    let repeated = places::repeated(&at, TOUCHING_MM, |i, j| {
+        let values = [keys[i], keys[j]].map(|k| k.stiffness_n_per_mm);
+        if values[0] == values[1] {
+            return Ok(());
         }
-    }
+        Err(MapError::Conflict {
+            keys: [i + 1, j + 1],
+            at: keys[i].at,
+            values,
+        })
+    })?;
     Ok(keys
         .iter()
         .zip(&repeated)

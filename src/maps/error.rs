@@ -1,0 +1,72 @@
+//! Why a map is refused.
+
+use super::MAX_COORDINATE_MM;
+use super::stiffness::MAX_STIFFNESS_N_PER_MM;
+use crate::geom::Vec2;
+
+/// Why a map is refused. Keys are counted from 1.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MapError {
+    /// There is no key.
+    #[error("the stiffness map has no keys; at least one is needed")]
+    NoKeys,
+    /// A key lies nowhere.
+    #[error("{map} key {key} at ({}, {}) mm: coordinates must be numbers within ±{MAX_COORDINATE_MM} mm", at.x, at.y)]
+    Place {
+        /// Of which map: `stiffness` or `ellipse`.
+        map: &'static str,
+        /// Which key.
+        key: usize,
+        /// Its place as stated, mm.
+        at: Vec2,
+    },
+    /// A key states no stiffness.
+    #[error(
+        "stiffness key {key} at ({}, {}) mm: stiffness_n_per_mm is {value}; it must be above 0 and at most \
+         {MAX_STIFFNESS_N_PER_MM}", at.x, at.y
+    )]
+    Value {
+        /// Which key.
+        key: usize,
+        /// Its place, mm.
+        at: Vec2,
+        /// Its stiffness as stated, N/mm.
+        value: f64,
+    },
+    /// One place, two stiffnesses.
+    #[error(
+        "stiffness keys {} and {} are both at ({}, {}) mm but state {} and {} N/mm; keep one of them",
+        keys[0], keys[1], at.x, at.y, values[0], values[1]
+    )]
+    Conflict {
+        /// Which keys.
+        keys: [usize; 2],
+        /// The place of the first, mm.
+        at: Vec2,
+        /// Their stiffnesses, N/mm.
+        values: [f64; 2],
+    },
+    /// A value of an ellipse key, or a setting of the ellipse map, is not allowed.
+    #[error("{of}: {field} is {value}; {allowed}")]
+    Ellipse {
+        /// Which key, by number and name, or `ellipse map`.
+        of: String,
+        /// Which of its values, by the name it has in a scenario.
+        field: &'static str,
+        /// As stated.
+        value: f64,
+        /// What is allowed.
+        allowed: String,
+    },
+    /// One place, two ellipses.
+    #[error(
+        "{} and {} are both at ({}, {}) mm but state different ellipses; keep one of them",
+        keys[0], keys[1], at.x, at.y
+    )]
+    EllipseConflict {
+        /// Which keys, by number and name.
+        keys: [String; 2],
+        /// The place of the first, mm.
+        at: Vec2,
+    },
+}
