@@ -1,5 +1,9 @@
-//! Falloffs over a ratio q: from the centre of a dent to its rim, from a key of a map to the rim of its effect (Ji 2008,
-//! 4.2.1, 5.2.2).
+//! Falloffs over a ratio q, as arrays or exactly: from the centre of a dent to its rim, from a key of a map to the rim of
+//! its effect (Ji 2008, 4.2.1, 5.2.2).
+
+use super::Monotone;
+use super::law::{Ends, Law};
+use std::sync::Arc;
 
 /// Samples of the published array.
 pub const PUBLISHED_SIZE: usize = 700;
@@ -12,6 +16,29 @@ pub enum Lookup {
     /// Linear between the two samples around q.
     #[default]
     Linear,
+    /// The function itself, worked out for every q: nothing is lost, at the cost of an exponential a vertex.
+    Exact,
+}
+
+impl Lookup {
+    /// Every lookup.
+    pub fn all() -> &'static [Self] {
+        &[Self::Nearest, Self::Linear, Self::Exact]
+    }
+
+    /// Name in files, tables and the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nearest => "nearest",
+            Self::Linear => "linear",
+            Self::Exact => "exact",
+        }
+    }
+
+    /// The lookup called `name`.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::all().iter().copied().find(|l| l.name() == name)
+    }
 }
 
 /// A falloff M(q): its value at q = 0 is the share of the finger's displacement at the centre, at q = 1 that at the rim.
@@ -23,7 +50,22 @@ pub struct Curve {
     samples: Vec<f64>,
     lookup: Lookup,
     steps: f64,
+    function: Function,
 }
+
+/// What an array was taken from.
+#[derive(Clone, Debug, PartialEq)]
+enum Function {
+    Law(Law),
+    Points(Arc<Monotone>),
+    /// The array is all there is.
+    Samples,
+}
+
+/// Points of a curve are at least this far apart in q, so that slopes between them are numbers.
+const CLOSEST: f64 = 1e-9;
+/// Name of a curve through points that the user gave.
+pub const POINTS: &str = "points";
 
 /// Why samples do not make a curve.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -35,6 +77,40 @@ pub enum CurveError {
         name: String,
         /// Number of samples given.
         n: usize,
+    },
+    /// The same of a curve through points.
+    #[error(
+        "curve \"{name}\" has {n} points; at least 2 are needed, the first at q = 0 and the last at q = 1"
+    )]
+    TooFewPoints {
+        /// Name of the curve.
+        name: String,
+        /// Number of points given.
+        n: usize,
+    },
+    /// A point that is not beyond the one before, or not in 0 … 1, or an end where none belongs.
+    #[error("curve \"{name}\": point {} is at q = {place}; it must be {allowed}", .index + 1)]
+    Place {
+        /// Name of the curve.
+        name: String,
+        /// Which point, counted from 0.
+        index: usize,
+        /// Where it is.
+        place: f64,
+        /// What is allowed there.
+        allowed: String,
+    },
+    /// A point beyond the whole displacement.
+    #[error("curve \"{name}\": point {} is {value} at q = {place}; a number in -1 ... 1 is allowed", .index + 1)]
+    PointOutOfRange {
+        /// Name of the curve.
+        name: String,
+        /// Which point, counted from 0.
+        index: usize,
+        /// Where it is.
+        place: f64,
+        /// What it is.
+        value: f64,
     },
     /// A share of the displacement beyond the whole, or none at all.
     #[error("curve \"{name}\": sample {index} is {value}; it must be a number in -1 ... 1")]
@@ -49,7 +125,8 @@ pub enum CurveError {
 }
 
 impl Curve {
-    /// A curve through `samples` at equal steps of q from 0 to 1.
+    /// A curve through `samples` at equal steps of q from 0 to 1. [`Lookup::Exact`] is linear between them: there is no
+    /// function to ask.
     ///
     /// # Errors
     /// Fewer than two samples; a sample that is not a number in −1 … 1 (beyond that the caps of the drawn displacement
@@ -69,7 +146,7 @@ impl Curve {
             let value = samples[index];
             return Err(CurveError::OutOfRange { name, index, value });
         }
-        Ok(Self::of_checked(name, samples, lookup))
+        Ok(Self::of_checked(name, samples, lookup, Function::Samples))
     }
 
     /// The default: the half Gaussian lowered by its value at the rim and rescaled, M(q) = (g(q) − g(1)) / (1 − g(1)).
@@ -77,25 +154,84 @@ impl Curve {
     /// The published array ends at 0.0021, so that at 20 mm of drag the rim jumps by 0.04 mm; this one ends at exactly 0.
     /// It differs from the published one by at most 0.0021.
     pub fn gaussian() -> Self {
-        let rim = gaussian(1.0);
-        let samples = sampled(PUBLISHED_SIZE, |q| (gaussian(q) - rim) / (1.0 - rim));
-        Self::of_checked("gaussian".into(), samples, Lookup::Linear)
+        Self::of(Law::Gaussian, PUBLISHED_SIZE, Lookup::Linear)
     }
 
     /// The half Gaussian as printed: `n` samples over x = 0 … 1.4 with σ² = 1/(2π), so that `M[0]` = 1 and the last is 0.0021.
     ///
     /// Fewer than 2 samples are taken as 2.
     pub fn gaussian_printed(n: usize, lookup: Lookup) -> Self {
-        Self::of_checked("gaussian-printed".into(), sampled(n, gaussian), lookup)
+        Self::of(Law::GaussianPrinted, n, lookup)
     }
 
-    fn of_checked(name: String, samples: Vec<f64>, lookup: Lookup) -> Self {
+    /// A law as an array of `n` samples. Fewer than 2 are taken as 2.
+    pub fn of(law: Law, n: usize, lookup: Lookup) -> Self {
+        let samples = sampled(n, |q| law.at(q));
+        Self::of_checked(law.name().into(), samples, lookup, Function::Law(law))
+    }
+
+    /// The [`Law`] called `name` as an array of `n` samples (fewer than 2 are taken as 2), `None` for an unknown name.
+    pub fn named(name: &str, n: usize, lookup: Lookup) -> Option<Self> {
+        Law::named(name).map(|law| Self::of(law, n, lookup))
+    }
+
+    /// A curve through `points` (q, M), joined by a monotone cubic ([`Monotone`]), as an array of `n` samples (fewer than 2
+    /// are taken as 2). It turns only where the points do, so that it stays in their range.
+    ///
+    /// Where M(0) is not 1 the skin under the finger does not land on it; where M(1) is not 0 the dent ends with a step.
+    ///
+    /// # Errors
+    /// Fewer than two points; places q that do not ascend from 0 to 1; an M that is not a number in −1 … 1.
+    pub fn through(points: &[(f64, f64)], n: usize, lookup: Lookup) -> Result<Self, CurveError> {
+        let name = || POINTS.to_owned();
+        let last = points.len().saturating_sub(1);
+        for (index, &(place, value)) in points.iter().enumerate() {
+            let before = index.checked_sub(1).map(|b| points[b].0);
+            let allowed = match before {
+                None if place != 0.0 => Some("0, the centre".to_owned()),
+                Some(_) if index == last && place != 1.0 => Some("1, the rim".to_owned()),
+                Some(before) if !(place >= before + CLOSEST && place <= 1.0) => Some(format!(
+                    "a number above {before}, that of the point before, by {CLOSEST:e} or more, up to 1"
+                )),
+                _ => None,
+            };
+            if let Some(allowed) = allowed {
+                let name = name();
+                return Err(CurveError::Place {
+                    name,
+                    index,
+                    place,
+                    allowed,
+                });
+            }
+            if !(-1.0..=1.0).contains(&value) {
+                let name = name();
+                return Err(CurveError::PointOutOfRange {
+                    name,
+                    index,
+                    place,
+                    value,
+                });
+            }
+        }
+        // Of checked points only too few make no curve.
+        let monotone = Monotone::new(points).ok_or(CurveError::TooFewPoints {
+            name: name(),
+            n: points.len(),
+        })?;
+        let samples = sampled(n, |q| monotone.at(q));
+        let function = Function::Points(Arc::new(monotone));
+        Ok(Self::of_checked(name(), samples, lookup, function))
+    }
+
+    fn of_checked(name: String, samples: Vec<f64>, lookup: Lookup, function: Function) -> Self {
         let steps = (samples.len() - 1) as f64;
         Self {
             name,
             samples,
             lookup,
             steps,
+            function,
         }
     }
 
@@ -124,11 +260,43 @@ impl Curve {
         let last = self.samples.len() - 1;
         match self.lookup {
             Lookup::Nearest => self.samples[((place + 0.5) as usize).min(last)],
-            Lookup::Linear => {
-                let i = (place as usize).min(last - 1);
-                let (m, next) = (self.samples[i], self.samples[i + 1]);
-                m + (next - m) * (place - i as f64)
+            Lookup::Linear => self.linear(place),
+            Lookup::Exact => self.exact(q),
+        }
+    }
+
+    #[inline(always)]
+    fn linear(&self, place: f64) -> f64 {
+        let i = (place as usize).min(self.samples.len() - 2);
+        let (m, next) = (self.samples[i], self.samples[i + 1]);
+        m + (next - m) * (place - i as f64)
+    }
+
+    /// The function behind the array at `q`, limited to 0 … 1 (what is no number counts as 0); unlike [`Curve::at`] not cut
+    /// to 0 at the rim.
+    pub fn exact(&self, q: f64) -> f64 {
+        match &self.function {
+            Function::Law(law) => law.at(q),
+            Function::Points(points) => points.at(q),
+            Function::Samples => {
+                let q = if q > 0.0 { q.min(1.0) } else { 0.0 };
+                self.linear(q * self.steps)
             }
+        }
+    }
+
+    /// Slope and second derivative of the function behind the array at both ends (table 4.2); `None` where the array is all
+    /// there is.
+    pub fn ends(&self) -> Option<Ends> {
+        match &self.function {
+            Function::Law(law) => Some(law.ends()),
+            Function::Points(points) => Some(Ends {
+                slope_centre: points.slope(0.0),
+                slope_rim: points.slope(1.0),
+                curvature_centre: points.curvature(0.0),
+                curvature_rim: points.curvature(1.0),
+            }),
+            Function::Samples => None,
         }
     }
 }
@@ -136,20 +304,21 @@ impl Curve {
 /// A curve's name and how it is made.
 pub type Named = (&'static str, fn() -> Curve);
 
-/// Every curve, by name.
+/// Every curve that has a name, with the array it usually comes in.
 pub fn all() -> &'static [Named] {
     &[
         ("gaussian", Curve::gaussian),
         ("gaussian-printed", || {
             Curve::gaussian_printed(PUBLISHED_SIZE, Lookup::Nearest)
         }),
+        ("cosine", || usual(Law::Cosine)),
+        ("logarithmic", || usual(Law::Logarithmic)),
+        ("gaussian-sharp", || usual(Law::GaussianSharp)),
     ]
 }
 
-/// The half Gaussian of eq. 4.1 scaled to 1 at its top: exp(−π x²) with x = 1.4 q, as σ² = 1/(2π).
-fn gaussian(q: f64) -> f64 {
-    let x = 1.4 * q;
-    libm::exp(-std::f64::consts::PI * x * x)
+fn usual(law: Law) -> Curve {
+    Curve::of(law, PUBLISHED_SIZE, Lookup::Linear)
 }
 
 fn sampled(n: usize, curve: impl Fn(f64) -> f64) -> Vec<f64> {
@@ -201,7 +370,7 @@ mod tests {
         let c = Curve::gaussian_printed(PUBLISHED_SIZE, Lookup::Linear);
         let worst = (0..10_000)
             .map(|i| i as f64 / 10_000.0)
-            .map(|q| (c.at(q) - gaussian(q)).abs())
+            .map(|q| (c.at(q) - c.exact(q)).abs())
             .fold(0.0, f64::max);
         // h²/8 · max |M″| with h = 1/699 and M″(0) = −2π · 1.4².
         let bound = 2.0 * std::f64::consts::PI * 1.96 / 8.0 / (699.0 * 699.0);
@@ -220,6 +389,114 @@ mod tests {
                 assert_eq!(c.at(q), 0.0, "{name} at {q}");
             }
             assert_eq!(c.at(-1.0), 1.0, "{name}");
+        }
+    }
+
+    #[test]
+    fn every_law_is_an_array_of_any_size_and_a_function() {
+        for &law in Law::all() {
+            for n in [2, 20, 130, 700] {
+                for &lookup in Lookup::all() {
+                    let c = Curve::named(law.name(), n, lookup).unwrap();
+                    assert_eq!(
+                        (c.samples().len(), c.lookup(), c.name()),
+                        (n, lookup, law.name())
+                    );
+                    for i in 0..=1000 {
+                        let q = f64::from(i) / 1001.0;
+                        let step = 1.0 / (n - 1) as f64;
+                        // The next samples on either side bound every lookup of a falling curve.
+                        let (most, least) = (law.at(q - step), law.at(q + step));
+                        assert!(
+                            c.at(q) <= most && c.at(q) >= least,
+                            "{law:?} {n} {lookup:?} {q}"
+                        );
+                    }
+                }
+                let exact = Curve::of(law, n, Lookup::Exact);
+                assert_eq!(exact.at(0.3), law.at(0.3));
+                assert_eq!(exact.ends(), Some(law.ends()));
+            }
+        }
+        assert!(
+            all()
+                .iter()
+                .map(|(name, _)| Law::named(name))
+                .eq(Law::all().iter().map(|&l| Some(l)))
+        );
+        for &lookup in Lookup::all() {
+            assert_eq!(Lookup::named(lookup.name()), Some(lookup));
+        }
+        assert!(Curve::named("mine", 700, Lookup::Linear).is_none());
+        assert_eq!(
+            Curve::of(Law::Cosine, 0, Lookup::Nearest).samples(),
+            [1.0, 0.0]
+        );
+    }
+
+    #[test]
+    fn a_curve_through_points_meets_them_and_stays_between_them() {
+        let points = [(0.0, 1.0), (0.2, 0.9), (0.5, -0.1), (0.8, -0.1), (1.0, 0.0)];
+        let c = Curve::through(&points, 1001, Lookup::Exact).unwrap();
+        for (q, m) in &points[..4] {
+            assert_eq!(c.at(*q), *m);
+        }
+        assert_eq!(c.at(1.0), 0.0);
+        let linear = Curve::through(&points, 1001, Lookup::Linear).unwrap();
+        for i in 0..1000 {
+            let q = f64::from(i) / 1000.0;
+            assert!((-0.1..=1.0).contains(&c.at(q)));
+            assert!((linear.at(q) - c.at(q)).abs() < 1e-5);
+        }
+        let ends = c.ends().unwrap();
+        assert!(ends.slope_centre == 0.0 && ends.slope_rim > 0.0);
+        let plain = Curve::new("mine", vec![1.0, 0.25, 0.0], Lookup::Exact).unwrap();
+        assert_eq!(
+            (plain.at(0.25), plain.exact(7.0), plain.ends()),
+            (0.625, 0.0, None)
+        );
+    }
+
+    #[test]
+    fn points_that_make_no_curve_are_refused_by_number() {
+        let told = |points: &[(f64, f64)]| {
+            Curve::through(points, 700, Lookup::Linear)
+                .unwrap_err()
+                .to_string()
+        };
+        let two = "at least 2 are needed, the first at q = 0 and the last at q = 1";
+        assert_eq!(told(&[]), format!("curve \"points\" has 0 points; {two}"));
+        assert_eq!(
+            told(&[(0.0, 1.0)]),
+            format!("curve \"points\" has 1 points; {two}")
+        );
+        for (points, what) in [
+            (
+                &[(0.1, 1.0), (1.0, 0.0)][..],
+                "point 1 is at q = 0.1; it must be 0, the centre",
+            ),
+            (
+                &[(0.0, 1.0), (0.9, 0.0)],
+                "point 2 is at q = 0.9; it must be 1, the rim",
+            ),
+            (
+                &[(0.0, 1.0), (0.5, 0.5), (0.5, 0.4), (1.0, 0.0)],
+                "point 3 is at q = 0.5; it must be a number above 0.5",
+            ),
+            (
+                &[(0.0, 1.0), (f64::NAN, 0.5), (1.0, 0.0)],
+                "point 2 is at q = NaN; it must be a number above 0",
+            ),
+            (
+                &[(0.0, 1.0), (0.5, 1.1), (1.0, 0.0)],
+                "point 2 is 1.1 at q = 0.5; a number in -1 ... 1 is allowed",
+            ),
+            (
+                &[(0.0, 1.0), (0.5, f64::NAN), (1.0, 0.0)],
+                "point 2 is NaN at q = 0.5",
+            ),
+        ] {
+            assert!(told(points).contains(what), "{} for {what}", told(points));
         }
     }
 

@@ -1,10 +1,11 @@
 //! Vectors, boxes, triangles and the two questions asked of them: where is the closest point, where does a segment cross.
-//! And falloffs over a ratio ([`curve`]).
+//! And falloffs over a ratio: as functions ([`law`]), and as arrays read fast ([`curve`]).
 //!
 //! All coordinates are mm in the frame of the subject: x to the subject's right, y to the head, z out of the back.
 
 mod aabb;
 pub mod curve;
+pub mod law;
 mod monotone;
 mod triangle;
 
