@@ -7,7 +7,8 @@
 //! | [`panels`] | which panels there are |
 //! | [`history`] | the plotted past, in bounded memory |
 //! | [`camera`] | where the back is looked at from |
-//! | [`theme`] | every colour |
+//! | [`theme`] | every colour of the window |
+//! | [`colours`] | colours that stand for numbers, and quantities shown by them |
 //! | [`mod@bench`] | what runs behind the window: scene, servo, recorder, replay |
 //! | [`shell`] | menu, dock, own windows, status bar, keys |
 //! | [`dock`] | where the panels are |
@@ -17,6 +18,7 @@
 
 pub mod bench;
 pub mod camera;
+pub mod colours;
 pub mod command;
 mod dialogs;
 pub mod dock;
