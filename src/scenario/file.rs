@@ -1,6 +1,7 @@
 //! The scenario file: TOML with units in the key names, checked down to line and value.
 
 use super::check::Check;
+use super::deformation::DeformationTable;
 use super::feel::{ContactTable, ForceTable};
 use crate::contact::{Choices, Friction, published};
 use crate::deform::models::fsmd;
@@ -119,15 +120,6 @@ struct EllipseTable {
     basic_radius_mm: Option<Spanned<f64>>,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct DeformationTable {
-    normal_scale_shallow: Option<Spanned<f64>>,
-    normal_scale_deep: Option<Spanned<f64>>,
-    max_normal_mm: Option<Spanned<f64>>,
-    max_tangential_mm: Option<Spanned<f64>>,
-}
-
 /// Map coordinates allowed, mm: a hundred times a back, so that a mistaken unit is noticed.
 const MAP_MM: RangeInclusive<f64> = -50_000.0..=50_000.0;
 const STIFFNESS_N_PER_MM: RangeInclusive<f64> = 0.001..=10_000.0;
@@ -159,11 +151,11 @@ impl Scenario {
             .as_ref()
             .map(|t| check.friction(t))
             .transpose()?;
-        let deform = check.deform(
-            file.ellipse.as_ref(),
-            file.deformation.as_ref(),
-            friction.is_some(),
-        )?;
+        let mut deform = check.deformation(file.deformation.as_ref(), friction.is_some())?;
+        if let Some(radius) = (file.ellipse.as_ref()).and_then(|t| t.basic_radius_mm.as_ref()) {
+            let radius_mm = check.number("basic_radius_mm", radius, 1.0..=1000.0)?;
+            (deform.half_major_mm, deform.half_minor_mm) = (radius_mm, radius_mm);
+        }
         let (stiffness_keys, stiffness_fit) = check.stiffness(&file.stiffness)?;
         Ok(Self {
             name: name.to_owned(),
@@ -334,66 +326,6 @@ impl Check<'_> {
             dynamic_coefficient,
             skin_looseness,
         })
-    }
-
-    fn deform(
-        &self,
-        ellipse: Option<&EllipseTable>,
-        deformation: Option<&DeformationTable>,
-        tangential: bool,
-    ) -> Result<fsmd::Settings, ScenarioError> {
-        let mut settings = fsmd::Settings {
-            tangential,
-            ..fsmd::Settings::default()
-        };
-        let set = |to: &mut f64,
-                   key: &str,
-                   value: Option<&Spanned<f64>>,
-                   allowed: RangeInclusive<f64>| {
-            if let Some(value) = value {
-                *to = self.number(key, value, allowed)?;
-            }
-            Ok::<(), ScenarioError>(())
-        };
-        if let Some(t) = ellipse {
-            let radius = t.basic_radius_mm.as_ref();
-            set(
-                &mut settings.half_major_mm,
-                "basic_radius_mm",
-                radius,
-                1.0..=1000.0,
-            )?;
-            settings.half_minor_mm = settings.half_major_mm;
-        }
-        if let Some(t) = deformation {
-            let scale = 0.01..=1.0;
-            let shallow = t.normal_scale_shallow.as_ref();
-            set(
-                &mut settings.normal_scale_shallow,
-                "normal_scale_shallow",
-                shallow,
-                scale.clone(),
-            )?;
-            set(
-                &mut settings.normal_scale_deep,
-                "normal_scale_deep",
-                t.normal_scale_deep.as_ref(),
-                scale,
-            )?;
-            set(
-                &mut settings.max_normal_mm,
-                "max_normal_mm",
-                t.max_normal_mm.as_ref(),
-                0.1..=50.0,
-            )?;
-            set(
-                &mut settings.max_tangential_mm,
-                "max_tangential_mm",
-                t.max_tangential_mm.as_ref(),
-                0.0..=100.0,
-            )?;
-        }
-        Ok(settings)
     }
 }
 

@@ -5,6 +5,7 @@
 
 mod build;
 mod check;
+mod deformation;
 mod feel;
 mod file;
 mod library;
