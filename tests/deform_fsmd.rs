@@ -6,6 +6,7 @@ use dorsum::deform::{Displacement, Model, Press, all};
 use dorsum::geom::{Triangle, Vec2, Vec3, unit_or};
 use dorsum::surface::{RawMesh, Surface};
 use proptest::prelude::*;
+use std::slice::from_ref;
 
 /// A sheet of n × n cells of `cell_mm`, lifted by `height`, centred on the origin.
 fn sheet(n: usize, cell_mm: f64, height: impl Fn(f64, f64) -> f64) -> Surface {
@@ -54,6 +55,7 @@ fn press_on(
         normal,
         depth_mm,
         triangle,
+        ..Press::default()
     }
 }
 
@@ -116,15 +118,28 @@ fn small() -> Settings {
     }
 }
 
+fn offsets(out: &Displacement) -> Vec<Vec3> {
+    (0..out.n_vertices() as u32)
+        .map(|v| out.offset_mm(v))
+        .collect()
+}
+
+/// The touched vertices in ascending order.
+fn touched(out: &Displacement) -> Vec<u32> {
+    let mut touched: Vec<u32> = out.touched().collect();
+    touched.sort_unstable();
+    touched
+}
+
 fn same_bits(a: &Displacement, b: &Displacement) -> bool {
-    let bits = |v: &Vec<Vec3>| -> Vec<[u64; 3]> {
+    let bits = |v: &[Vec3]| -> Vec<[u64; 3]> {
         v.iter()
             .map(|p| p.to_array().map(|x| (x + 0.0).to_bits()))
             .collect()
     };
-    bits(&a.offsets_mm) == bits(&b.offsets_mm)
-        && bits(&a.normals) == bits(&b.normals)
-        && a.moved == b.moved
+    bits(&offsets(a)) == bits(&offsets(b))
+        && bits(&a.to_normals()) == bits(&b.to_normals())
+        && a.moved().eq(b.moved())
 }
 
 #[test]
@@ -142,7 +157,7 @@ fn a_vertex_at_the_anchor_lands_on_the_hip_below_the_caps() {
         let vertex = vertex_over(&skin, x, y);
         for (depth, pull) in [(0.5, [0.0, 0.0]), (4.0, [3.0, -2.0]), (9.9, [12.0, 15.0])] {
             let press = press_at_vertex(&skin, vertex, depth, pull);
-            let out = deformed(&skin, small(), &[press]);
+            let out = deformed(&skin, small(), from_ref(&press));
             let missed = (out.position(&skin, vertex) - hip(&press)).length();
             assert!(missed < 1e-12, "vertex {vertex}: {missed} mm");
             let finger = out.carried_point(&skin, press.triangle, press.anchor_mm);
@@ -156,8 +171,8 @@ fn beyond_the_caps_the_drawn_dent_stays_at_10_and_20_mm() {
     let skin = sheet(30, 5.0, |_, _| 0.0);
     let middle = vertex_over(&skin, 0.0, 0.0);
     let press = press_at_vertex(&skin, middle, 25.0, [40.0, 0.0]);
-    let out = deformed(&skin, small(), &[press]);
-    let offset = out.offsets_mm[middle as usize];
+    let out = deformed(&skin, small(), from_ref(&press));
+    let offset = out.offset_mm(middle);
     assert!((offset.z + 10.0).abs() < 1e-12);
     assert!((offset.truncate().length() - 20.0).abs() < 1e-12);
 }
@@ -170,7 +185,7 @@ fn every_vertex_moves_by_the_formula() {
         ..small()
     };
     let press = press_at_vertex(&skin, vertex_over(&skin, 0.0, 0.0), 6.0, [5.0, 2.0]);
-    let out = deformed(&skin, settings, &[press]);
+    let out = deformed(&skin, settings.clone(), from_ref(&press));
     let curve = Curve::gaussian();
     // The sheet nowhere folds back, so that all of it inside an outline hangs together.
     let n = press.normal;
@@ -183,7 +198,7 @@ fn every_vertex_moves_by_the_formula() {
         let q = ((r.dot(major) / 60.0).powi(2) + (r.dot(minor) / 40.0).powi(2)).sqrt();
         let expected =
             (press.foot_mm - press.anchor_mm) * curve.at(q) - n * 6.0 * curve.at(q / scale);
-        let missed = (out.offsets_mm[v] - expected).length();
+        let missed = (out.offset_mm(v as u32) - expected).length();
         assert!(missed < 1e-9, "vertex {v} at q {q}: {missed} mm");
     }
 }
@@ -192,20 +207,20 @@ fn every_vertex_moves_by_the_formula() {
 fn outside_the_footprint_nothing_moves_and_no_normal_turns_bit_for_bit() {
     let skin = hill(40, 4.0);
     let press = press_at_vertex(&skin, vertex_over(&skin, 0.0, 0.0), 9.0, [5.0, 5.0]);
-    let out = deformed(&skin, small(), &[press]);
+    let out = deformed(&skin, small(), from_ref(&press));
     let mut at_rest = 0;
     for v in 0..skin.positions().len() {
         if (skin.positions()[v] - press.anchor_mm).dot(press.normal) == 0.0 {
             continue;
         }
         let ring = skin.topology().neighbours(v as u32);
-        let still = |u: u32| out.offsets_mm[u as usize] == Vec3::ZERO;
+        let still = |u: u32| out.offset_mm(u) == Vec3::ZERO;
         let far = (skin.positions()[v] - press.anchor_mm).length() > 120.0;
         assert!(!far || still(v as u32));
         if still(v as u32) && ring.iter().all(|&u| still(u)) {
             at_rest += 1;
-            assert_eq!(out.normals[v], skin.normals()[v]);
-            assert!(!out.touched.contains(&(v as u32)));
+            assert_eq!(out.normal(v as u32), skin.normals()[v]);
+            assert!(!touched(&out).contains(&(v as u32)));
         }
     }
     assert!(at_rest > 200);
@@ -219,10 +234,10 @@ fn without_friction_the_wide_field_is_neither_computed_nor_seen() {
         tangential: false,
         ..small()
     };
-    let out = deformed(&skin, settings, &[press]);
-    assert!(!out.moved.is_empty());
-    for &v in &out.moved {
-        assert_eq!(out.offsets_mm[v as usize].truncate().length(), 0.0);
+    let out = deformed(&skin, settings.clone(), from_ref(&press));
+    assert!(out.n_moved() > 0);
+    for v in out.moved() {
+        assert_eq!(out.offset_mm(v).truncate().length(), 0.0);
         let r = skin.positions()[v as usize] - press.anchor_mm;
         assert!(r.length() < 60.0 * 0.25);
     }
@@ -233,23 +248,23 @@ fn two_fingers_add_as_vectors_and_then_meet_the_caps() {
     let skin = sheet(40, 4.0, |_, _| 0.0);
     let one = press_at_vertex(&skin, vertex_over(&skin, 0.0, 0.0), 4.0, [3.0, 1.0]);
     let two = press_at_vertex(&skin, vertex_over(&skin, 8.0, 0.0), 3.0, [-1.0, 5.0]);
-    let a = deformed(&skin, small(), &[one]);
-    let b = deformed(&skin, small(), &[two]);
+    let a = deformed(&skin, small(), from_ref(&one));
+    let b = deformed(&skin, small(), from_ref(&two));
     let both = deformed(&skin, small(), &[one, two]);
     for v in 0..skin.positions().len() {
-        let sum = a.offsets_mm[v] + b.offsets_mm[v];
-        assert!((both.offsets_mm[v] - sum).length() < 1e-12);
+        let sum = a.offset_mm(v as u32) + b.offset_mm(v as u32);
+        assert!((both.offset_mm(v as u32) - sum).length() < 1e-12);
     }
 
     let deep = press_at_vertex(&skin, vertex_over(&skin, 0.0, 0.0), 9.0, [15.0, 0.0]);
     let beside = press_at_vertex(&skin, vertex_over(&skin, 4.0, 0.0), 9.0, [15.0, 0.0]);
     let both = deformed(&skin, small(), &[deep, beside]);
-    for offset in &both.offsets_mm {
+    for offset in offsets(&both) {
         assert!(offset.z.abs() <= 10.0 + 1e-12);
         assert!(offset.truncate().length() <= 20.0 + 1e-12);
     }
     let middle = vertex_over(&skin, 0.0, 0.0);
-    let offset = both.offsets_mm[middle as usize];
+    let offset = both.offset_mm(middle);
     assert!((offset.z + 10.0).abs() < 1e-12 && (offset.truncate().length() - 20.0).abs() < 1e-12);
 }
 
@@ -259,16 +274,13 @@ fn lifting_the_finger_gives_the_surface_back_bit_for_bit() {
     let mut model = Fsmd::new(small());
     let mut out = Displacement::at_rest(&skin);
     let press = press_at_vertex(&skin, vertex_over(&skin, 0.0, 0.0), 7.0, [6.0, 3.0]);
-    model.update(&skin, &[press], &mut out);
-    let mut were_drawn = out.touched.clone();
+    model.update(&skin, from_ref(&press), &mut out);
+    let were_drawn = touched(&out);
     model.update(&skin, &[], &mut out);
     assert!(same_bits(&out, &Displacement::at_rest(&skin)));
-    let mut drawn_again = out.touched.clone();
-    were_drawn.sort_unstable();
-    drawn_again.sort_unstable();
-    assert_eq!(drawn_again, were_drawn);
+    assert_eq!(touched(&out), were_drawn);
     model.update(&skin, &[], &mut out);
-    assert!(out.touched.is_empty());
+    assert_eq!(out.n_touched(), 0);
 }
 
 #[test]
@@ -280,7 +292,7 @@ fn moving_the_whole_scene_moves_the_result_with_it() {
         angle_rad: 0.3,
         ..small()
     };
-    let here = deformed(&skin, settings, &[press, beside]);
+    let here = deformed(&skin, settings.clone(), &[press.clone(), beside.clone()]);
     for (turn, shift) in [
         (0.8_f64, Vec3::new(30.0, -70.0, 11.0)),
         (3.0, Vec3::Z * 200.0),
@@ -296,11 +308,11 @@ fn moving_the_whole_scene_moves_the_result_with_it() {
             foot_mm: turned(p.foot_mm) + shift,
             normal: turned(p.normal),
             triangle: triangles[p.triangle as usize],
-            ..*p
+            ..p.clone()
         };
         let turned_settings = Settings {
             angle_rad: 0.3 + turn,
-            ..settings
+            ..settings.clone()
         };
         let there = deformed(
             &moved_skin,
@@ -308,9 +320,9 @@ fn moving_the_whole_scene_moves_the_result_with_it() {
             &[moved(&press), moved(&beside)],
         );
         for (v, &u) in vertices.iter().enumerate() {
-            let (offset, normal) = (there.offsets_mm[u as usize], there.normals[u as usize]);
-            assert!((offset - turned(here.offsets_mm[v])).length() < 1e-9);
-            assert!((normal - turned(here.normals[v])).length() < 1e-9);
+            let (offset, normal) = (there.offset_mm(u), there.normal(u));
+            assert!((offset - turned(here.offset_mm(v as u32))).length() < 1e-9);
+            assert!((normal - turned(here.normal(v as u32))).length() < 1e-9);
         }
     }
 }
@@ -323,7 +335,7 @@ fn the_basic_circle_moves_with_any_turn_of_the_scene() {
         ..small()
     };
     let press = press_at_vertex(&skin, vertex_over(&skin, 0.0, 0.0), 7.0, [6.0, 3.0]);
-    let here = deformed(&skin, settings, &[press]);
+    let here = deformed(&skin, settings.clone(), from_ref(&press));
     let turn = |p: Vec3| Vec3::new(p.z, p.x, p.y);
     let (lying, vertices, triangles) = moved_surface(&skin, turn);
     let moved = Press {
@@ -331,12 +343,12 @@ fn the_basic_circle_moves_with_any_turn_of_the_scene() {
         foot_mm: turn(press.foot_mm),
         normal: turn(press.normal),
         triangle: triangles[press.triangle as usize],
-        ..press
+        ..press.clone()
     };
     let there = deformed(&lying, settings, &[moved]);
     for (v, &u) in vertices.iter().enumerate() {
-        let offset = there.offsets_mm[u as usize];
-        assert!((offset - turn(here.offsets_mm[v])).length() < 1e-9);
+        let offset = there.offset_mm(u);
+        assert!((offset - turn(here.offset_mm(v as u32))).length() < 1e-9);
     }
 }
 
@@ -369,16 +381,16 @@ fn normals_by_definition(surface: &Surface, out: &Displacement) -> Vec<Vec3> {
 fn normals_equal_those_recomputed_over_the_whole_surface() {
     let skin = hill(40, 4.0);
     let press = press_at_vertex(&skin, vertex_over(&skin, 0.0, 0.0), 9.0, [10.0, -5.0]);
-    let out = deformed(&skin, small(), &[press]);
+    let out = deformed(&skin, small(), from_ref(&press));
     let expected = normals_by_definition(&skin, &out);
     let positions: Vec<Vec3> = (0..skin.positions().len())
         .map(|v| out.position(&skin, v as u32))
         .collect();
     let by_angle = dorsum::surface::vertex_normals(&positions, skin.triangles());
     for v in 0..positions.len() {
-        assert!((out.normals[v] - expected[v]).length() < 1e-12);
-        assert!((out.normals[v].length() - 1.0).abs() < 1e-12);
-        let angle = out.normals[v].angle_between(by_angle[v]).to_degrees();
+        assert!((out.normal(v as u32) - expected[v]).length() < 1e-12);
+        assert!((out.normal(v as u32).length() - 1.0).abs() < 1e-12);
+        let angle = out.normal(v as u32).angle_between(by_angle[v]).to_degrees();
         assert!(
             angle < 12.0,
             "vertex {v}: {angle}° off the angle-weighted normal"
@@ -401,9 +413,9 @@ fn normals_are_right_round_a_hub_with_hundreds_of_spokes_and_on_the_rim() {
     for place in [Vec3::Z * 3.0, Vec3::X * 20.0] {
         let vertex = vertex_at(&skin, place);
         let press = press_at_vertex(&skin, vertex, 6.0, [4.0, 1.0]);
-        let out = deformed(&skin, small(), &[press]);
+        let out = deformed(&skin, small(), from_ref(&press));
         let expected = normals_by_definition(&skin, &out);
-        for (drawn, expected) in out.normals.iter().zip(&expected) {
+        for (drawn, expected) in out.to_normals().iter().zip(&expected) {
             assert!((*drawn - *expected).length() < 1e-12);
         }
     }
@@ -413,10 +425,10 @@ fn normals_are_right_round_a_hub_with_hundreds_of_spokes_and_on_the_rim() {
 fn shading_starts_from_the_normal_at_rest_without_a_jump() {
     let skin = hill(40, 4.0);
     let press = press_at_vertex(&skin, vertex_over(&skin, 0.0, 0.0), 1e-7, [1e-7, 0.0]);
-    let out = deformed(&skin, small(), &[press]);
-    assert!(!out.moved.is_empty());
+    let out = deformed(&skin, small(), from_ref(&press));
+    assert!(out.n_moved() > 0);
     for v in 0..skin.positions().len() {
-        assert!((out.normals[v] - skin.normals()[v]).length() < 1e-6);
+        assert!((out.normal(v as u32) - skin.normals()[v]).length() < 1e-6);
     }
 }
 
@@ -452,11 +464,14 @@ fn the_other_side_of_a_thin_fold_stays() {
             half_minor_mm: 30.0,
             ..Settings::default()
         },
-        &[press],
+        from_ref(&press),
     );
-    assert!(out.moved.len() > 100);
+    assert!(out.n_moved() > 100);
     let in_the_upper = |p: Vec3| p.z > 1.0 || p.x == 0.0;
-    assert!((out.moved.iter()).all(|&v| in_the_upper(skin.positions()[v as usize])));
+    assert!(
+        out.moved()
+            .all(|v| in_the_upper(skin.positions()[v as usize]))
+    );
 }
 
 #[test]
@@ -483,9 +498,12 @@ fn settings_that_mean_nothing_move_nothing() {
         for field in all_fields {
             let mut settings = small();
             *field(&mut settings) = bad;
-            let out = deformed(&skin, settings, &[press]);
-            assert!(out.offsets_mm.iter().all(|o| o.is_finite()), "{settings:?}");
-            assert!(out.normals.iter().all(|n| n.is_finite()), "{settings:?}");
+            let out = deformed(&skin, settings.clone(), from_ref(&press));
+            assert!(offsets(&out).iter().all(|o| o.is_finite()), "{settings:?}");
+            assert!(
+                out.to_normals().iter().all(|n| n.is_finite()),
+                "{settings:?}"
+            );
         }
     }
 }
@@ -515,6 +533,7 @@ fn any_press() -> impl Strategy<Value = Press> {
             normal,
             depth_mm,
             triangle,
+            ..Press::default()
         })
 }
 
@@ -540,12 +559,14 @@ proptest! {
             prop_assert_eq!(model.name(), *name);
             let mut out = Displacement::at_rest(&skin);
             model.update(&skin, &[], &mut out);
-            prop_assert!(out.touched.is_empty() && out.moved.is_empty());
+            prop_assert!(out.n_touched() == 0 && out.n_moved() == 0);
             model.update(&skin, &presses, &mut out);
-            prop_assert!(out.offsets_mm.iter().all(|o| o.is_finite()));
-            prop_assert!(out.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-9));
-            for (v, offset) in out.offsets_mm.iter().enumerate() {
-                prop_assert_eq!(out.moved.contains(&(v as u32)), *offset != Vec3::ZERO);
+            prop_assert!(offsets(&out).iter().all(|o| o.is_finite()));
+            prop_assert!(out.to_normals().iter().all(|n| (n.length() - 1.0).abs() < 1e-9));
+            let moved: Vec<u32> = out.moved().collect();
+            prop_assert_eq!(moved.len(), out.n_moved());
+            for (v, offset) in offsets(&out).iter().enumerate() {
+                prop_assert_eq!(moved.contains(&(v as u32)), *offset != Vec3::ZERO);
             }
             model.update(&skin, &[], &mut out);
             prop_assert!(same_bits(&out, &Displacement::at_rest(&skin)));
@@ -570,15 +591,14 @@ proptest! {
                 let mut scratch = Displacement::at_rest(&skin);
                 make().update(&skin, &presses, &mut scratch);
                 prop_assert!(same_bits(&out, &scratch));
-                let mut touched = out.touched.clone();
-                touched.sort_unstable();
-                let changed: Vec<u32> = (0..out.offsets_mm.len())
+                let changed: Vec<u32> = (0..out.n_vertices())
                     .filter(|&v| {
-                        out.offsets_mm[v] != before.offsets_mm[v] || out.normals[v] != before.normals[v]
+                        out.offset_mm(v as u32) != before.offset_mm(v as u32) || out.normal(v as u32) != before.normal(v as u32)
                     })
                     .map(|v| v as u32)
                     .collect();
-                prop_assert_eq!(touched, changed);
+                prop_assert_eq!(out.n_touched(), changed.len());
+                prop_assert_eq!(touched(&out), changed);
             }
         }
     }

@@ -174,9 +174,9 @@ fn write_picture(scene: &Scene, contact: Option<&Contact>, path: &Path) -> std::
     if let Some(contact) = contact.filter(|c| c.touch != Touch::Free) {
         let pad_mm = scene.touch.choices.pad_mm();
         let press = Press::of(contact, pad_mm);
-        Fsmd::new(scene.deform).update(surface, press.as_slice(), &mut skin);
+        Fsmd::new(scene.deform.clone()).update(surface, press.as_slice(), &mut skin);
         let radius_mm = pad_mm.unwrap_or(FINGERTIP_MM);
-        let at = press.map_or(contact.anchor_mm, |p| p.anchor_mm);
+        let at = press.as_ref().map_or(contact.anchor_mm, |p| p.anchor_mm);
         let on_skin = skin.carried_point(surface, contact.triangle, at);
         let centre_mm = on_skin + contact.normal * radius_mm;
         balls.push(Ball {
@@ -185,14 +185,12 @@ fn write_picture(scene: &Scene, contact: Option<&Contact>, path: &Path) -> std::
             colour: figure::LEFT,
         });
     }
-    let positions: Vec<Vec3> = (0..surface.positions().len() as u32)
-        .map(|v| skin.position(surface, v))
-        .collect();
+    let positions = skin.to_positions(surface);
     let (width, height) = (900, 1100);
     let direction = Vec3::new(0.45, 0.12, 1.0);
     let picture = Picture {
         positions: &positions,
-        normals: &skin.normals,
+        normals: &skin.to_normals(),
         triangles: surface.triangles(),
         colours: None,
         balls: &balls,

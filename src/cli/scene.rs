@@ -144,7 +144,7 @@ fn measure(scene: &Scene, purpose: Use, ledger: &mut Ledger) -> f64 {
     if !(purpose.drawn || purpose.deformed) {
         return tick_us;
     }
-    let mut model = Fsmd::new(scene.deform);
+    let mut model = Fsmd::new(scene.deform.clone());
     model.prepare(&scene.surface);
     let mut skin = Displacement::at_rest(&scene.surface);
     let started = Instant::now();

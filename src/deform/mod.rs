@@ -4,22 +4,27 @@
 //! nothing of the others: [`footprint`] how far out a point lies (the ratio q), [`curve`] how much is left there (M(q)),
 //! [`RingSearch`] which vertices hang together with the finger.
 
+mod displacement;
 pub mod footprint;
 pub mod models;
 mod patches;
 mod ring;
 mod shading;
+pub mod strain;
 
 use crate::contact::{Contact, Touch};
 use crate::geom::Vec3;
+use crate::maps::{EllipseField, EllipseMap, Oval};
 use crate::surface::Surface;
+use std::sync::Arc;
 
 pub use crate::geom::curve;
+pub use displacement::Displacement;
 pub use patches::Patches;
 pub use ring::RingSearch;
 
 /// One finger's press on the skin, as every deformation model sees it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Press {
     /// Centre of the dent: where friction holds the skin, mm (METHOD's A).
     pub anchor_mm: Vec3,
@@ -31,6 +36,11 @@ pub struct Press {
     pub depth_mm: f64,
     /// Triangle under the anchor: where the ring search starts.
     pub triangle: u32,
+    /// The ellipse that a map has here; else the model's own.
+    pub oval: Option<Oval>,
+    /// The irregular boundary that a map has here: radii, mm on the skin, at equal angles from the map's x direction,
+    /// counter-clockwise.
+    pub boundary_mm: Option<Arc<[f64]>>,
 }
 
 impl Press {
@@ -44,68 +54,25 @@ impl Press {
             normal: contact.normal,
             depth_mm: contact.depth_mm,
             triangle: contact.triangle,
+            oval: None,
+            boundary_mm: None,
         })
     }
-}
 
-/// The drawn skin's offset from the rest surface.
-///
-/// `moved` lists the vertices with a non-zero offset; `touched` those whose position or normal changed since the last
-/// update, that is all that must be drawn anew.
-#[derive(Clone, Debug, Default)]
-pub struct Displacement {
-    /// Offset of every vertex from rest, mm.
-    pub offsets_mm: Vec<Vec3>,
-    /// Unit normal of every vertex of the deformed surface.
-    pub normals: Vec<Vec3>,
-    /// Vertices with a non-zero offset, in no particular order but the same one every time.
-    pub moved: Vec<u32>,
-    /// Vertices whose offset or normal changed in the last update.
-    pub touched: Vec<u32>,
-}
-
-impl Displacement {
-    /// The surface at rest.
-    pub fn at_rest(surface: &Surface) -> Self {
+    /// The same press with the ellipse, and the irregular boundary where there is one, that a map has at its anchor.
+    /// `field` is the map at the vertices of `surface`.
+    pub fn on_map(self, surface: &Surface, map: &EllipseMap, field: &EllipseField) -> Self {
+        if self.triangle as usize >= surface.triangles().len() || !self.anchor_mm.is_finite() {
+            return self;
+        }
+        let at = surface
+            .triangle(self.triangle)
+            .closest_point(self.anchor_mm);
         Self {
-            offsets_mm: vec![Vec3::ZERO; surface.positions().len()],
-            normals: surface.normals().to_vec(),
-            moved: Vec::new(),
-            touched: Vec::new(),
+            oval: Some(field.at(surface, self.triangle, at.barycentric)),
+            boundary_mm: map.boundary_at(at.point.truncate()).map(Arc::from),
+            ..self
         }
-    }
-
-    /// Position of a vertex of the deformed surface, mm.
-    pub fn position(&self, surface: &Surface, vertex: u32) -> Vec3 {
-        surface.positions()[vertex as usize] + self.offsets_mm[vertex as usize]
-    }
-
-    /// Where a point of the rest surface on triangle `t`, mm, has gone on the deformed one: the place to draw a finger at,
-    /// given the triangle and anchor of its contact.
-    ///
-    /// The point is first brought to the closest point of the triangle. A triangle that does not exist, or a point that is
-    /// not finite, gives the point back.
-    pub fn carried_point(&self, surface: &Surface, t: u32, point_mm: Vec3) -> Vec3 {
-        if (t as usize) < surface.triangles().len() && point_mm.is_finite() {
-            let at = surface.triangle(t).closest_point(point_mm);
-            self.carried(surface, t, at.barycentric)
-        } else {
-            point_mm
-        }
-    }
-
-    /// Memory held, bytes.
-    pub fn bytes(&self) -> usize {
-        24 * (self.offsets_mm.capacity() + self.normals.capacity())
-            + 4 * (self.moved.capacity() + self.touched.capacity())
-    }
-
-    /// A point of triangle `t` carried along with the deformed surface, mm; `barycentric` weighs its corners.
-    pub fn carried(&self, surface: &Surface, t: u32, barycentric: [f64; 3]) -> Vec3 {
-        let corners = surface.triangles()[t as usize];
-        (0..3)
-            .map(|i| self.position(surface, corners[i]) * barycentric[i])
-            .sum()
     }
 }
 

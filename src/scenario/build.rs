@@ -142,7 +142,7 @@ pub fn build(
         shading,
         ..TouchScene::new(Arc::clone(&surface), search, stiffness)
     };
-    let deform = scenario.deform;
+    let deform = scenario.deform.clone();
     Ok(Scene {
         scenario,
         surface,

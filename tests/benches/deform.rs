@@ -68,7 +68,7 @@ fn measure(skin: &Surface, n_fingers: usize) -> Row {
         let displaced = start.elapsed();
         model.shade(skin, &mut out);
         let done = start.elapsed();
-        let in_footprints = out.moved.len();
+        let in_footprints = out.n_moved();
         let per_vertex = 1.0e9 / in_footprints.max(1) as f64;
         moved.push(in_footprints as f64);
         offsets.push(displaced.as_secs_f64() * per_vertex);
@@ -122,6 +122,7 @@ fn press(skin: &Surface, frame: usize, finger: usize) -> Press {
         normal,
         depth_mm: 6.0 + 2.0 * (frame as f64 * 0.9).cos(),
         triangle,
+        ..Press::default()
     }
 }
 

@@ -76,20 +76,20 @@ impl SkinMesh {
 
     /// Takes over the vertices that the last deformation touched. A displacement of another surface is ignored.
     pub fn update(&mut self, displacement: &Displacement) {
-        if displacement.offsets_mm.len() != self.vertices.len() {
+        if displacement.n_vertices() != self.vertices.len() {
             return;
         }
-        for &v in &displacement.touched {
+        for v in displacement.touched() {
             let i = v as usize;
-            let offset = displacement.offsets_mm[i];
+            let offset = displacement.offset_mm(v);
             let dent_mm = -offset.dot(self.surface.normals()[i]);
             self.vertices[i] = packed(
                 self.surface.positions()[i] + offset,
-                displacement.normals[i],
+                displacement.normal(v),
                 dent_mm,
             );
         }
-        self.changed.extend_from_slice(&displacement.touched);
+        self.changed.extend(displacement.touched());
     }
 
     /// Hands in what was baked. Ignored when its length is not the number of vertices.
@@ -198,9 +198,9 @@ mod tests {
         let mut skin = skin();
         let rest = skin.vertices.clone();
         let mut d = Displacement::at_rest(&skin.surface);
-        d.offsets_mm[7] = skin.surface.normals()[7] * -5.0;
-        d.offsets_mm[8] = Vec3::ONE;
-        d.touched = vec![7];
+        let normal = skin.surface.normals()[7];
+        d.put(8, Vec3::ONE, normal);
+        d.put(7, normal * -5.0, normal);
         skin.update(&d);
         let moved: Vec<_> = (0..rest.len())
             .filter(|&i| rest[i] != skin.vertices[i])

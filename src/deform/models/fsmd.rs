@@ -17,20 +17,25 @@
 //! caps and sums does not depend on a frame, and two fingers side by side do not dig twice as deep as one may.
 
 use crate::deform::curve::Curve;
-use crate::deform::footprint::{Ellipse, Outline};
+use crate::deform::footprint::{Ellipse, Kind, Outline, Polar, PrintedEllipse};
 use crate::deform::patches::{PATCH, Patches};
 use crate::deform::shading::Shading;
 use crate::deform::{Displacement, Model, Press, RingSearch};
 use crate::geom::{Vec3, unit_or};
+use crate::maps::Oval;
 use crate::surface::Surface;
 
 /// No coordinate of a press may be larger, mm: a kilometre off is no place on a body, and squares stay finite.
 const FARTHEST_MM: f64 = 1.0e6;
 
 /// What a scenario may choose. Lengths mm, angles rad.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// Half the major axis of the tangential footprint, mm.
+    /// Which outline, and whether it follows a map.
+    pub footprint: Kind,
+    /// The falloff from the centre to the rim.
+    pub curve: Curve,
+    /// Half the major axis of the tangential footprint where no map tells it, mm; the radius of the basic circle.
     pub half_major_mm: f64,
     /// Half the minor axis, mm; equal to the major one for the basic circle.
     pub half_minor_mm: f64,
@@ -51,6 +56,8 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
+            footprint: Kind::default(),
+            curve: Curve::gaussian(),
             half_major_mm: 140.0,
             half_minor_mm: 140.0,
             angle_rad: std::f64::consts::FRAC_PI_2,
@@ -64,6 +71,30 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// The tangential footprint of a press; `None` when it is empty.
+    fn footprint_at(&self, press: &Press) -> Option<Footprint> {
+        let (o, n) = (press.anchor_mm, press.normal);
+        let own = Oval {
+            half_major_mm: self.half_major_mm,
+            half_minor_mm: self.half_minor_mm,
+            angle_rad: self.angle_rad,
+        };
+        let at = press.oval.unwrap_or(own);
+        let (a, b, angle_rad) = (at.half_major_mm, at.half_minor_mm, at.angle_rad);
+        let ellipse = || Ellipse::new(o, n, a, b, angle_rad).map(Footprint::Ellipse);
+        match (self.footprint, &press.boundary_mm) {
+            (Kind::Circle, _) => {
+                let radius_mm = self.half_major_mm;
+                Ellipse::new(o, n, radius_mm, radius_mm, 0.0).map(Footprint::Ellipse)
+            }
+            (Kind::EllipsePrinted, _) => {
+                PrintedEllipse::new(o, n, a, b, angle_rad).map(Footprint::Printed)
+            }
+            (Kind::Irregular, Some(radii_mm)) => Polar::new(o, n, radii_mm).map(Footprint::Polar),
+            (Kind::Ellipse | Kind::Irregular, _) => ellipse(),
+        }
+    }
+
     /// Scale of the normal footprint at a depth, mm.
     fn normal_scale(&self, depth_mm: f64) -> f64 {
         let share = (depth_mm / self.max_normal_mm).clamp(0.0, 1.0);
@@ -78,7 +109,6 @@ impl Settings {
 #[derive(Clone, Debug)]
 pub struct Fsmd {
     settings: Settings,
-    curve: Curve,
     patches: Patches,
     /// Fields of this update, in the order of the presses, each with a search of its own below.
     fields: Vec<Field>,
@@ -91,11 +121,38 @@ pub struct Fsmd {
 }
 
 /// One half of one press: how far its centre goes, and its outline.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Field {
     centre_mm: Vec3,
-    outline: Ellipse,
+    outline: Footprint,
     tangential: bool,
+}
+
+/// An outline of any kind.
+#[derive(Clone, Debug)]
+enum Footprint {
+    Ellipse(Ellipse),
+    Printed(PrintedEllipse),
+    Polar(Polar),
+}
+
+impl Footprint {
+    fn scaled(&self, scale: f64) -> Option<Self> {
+        match self {
+            Self::Ellipse(o) => o.scaled(scale).map(Self::Ellipse),
+            Self::Printed(o) => o.scaled(scale).map(Self::Printed),
+            Self::Polar(o) => o.scaled(scale).map(Self::Polar),
+        }
+    }
+
+    #[inline(always)]
+    fn ratio(&self, at: Vec3) -> f64 {
+        match self {
+            Self::Ellipse(o) => o.ratio(at),
+            Self::Printed(o) => o.ratio(at),
+            Self::Polar(o) => o.ratio(at),
+        }
+    }
 }
 
 impl Field {
@@ -107,16 +164,10 @@ impl Field {
 }
 
 impl Fsmd {
-    /// A model with the given settings and the default curve.
+    /// A model with the given settings.
     pub fn new(settings: Settings) -> Self {
-        Self::with_curve(settings, Curve::gaussian())
-    }
-
-    /// A model with the given settings and curve.
-    pub fn with_curve(settings: Settings, curve: Curve) -> Self {
         Self {
             settings,
-            curve,
             patches: Patches::default(),
             fields: Vec::new(),
             searches: Vec::new(),
@@ -132,11 +183,6 @@ impl Fsmd {
         &self.settings
     }
 
-    /// The curve in use.
-    pub fn curve(&self) -> &Curve {
-        &self.curve
-    }
-
     /// Memory held beside the displacement, bytes.
     pub fn bytes(&self) -> usize {
         self.patches.bytes()
@@ -147,10 +193,12 @@ impl Fsmd {
 
     /// The first half of [`Model::update`]: brings the offsets to the shape under `presses`.
     pub fn displace(&mut self, surface: &Surface, presses: &[Press], out: &mut Displacement) {
+        let updates = out.updates + 1;
         let n_vertices = surface.positions().len();
         if out.offsets_mm.len() != n_vertices || out.normals.len() != n_vertices {
             *out = Displacement::at_rest(surface);
         }
+        out.updates = updates;
         self.prepare(surface);
         self.fields.clear();
         for press in presses {
@@ -176,14 +224,13 @@ impl Fsmd {
     /// Adds the fields of one press and finds what they move.
     fn add(&mut self, surface: &Surface, press: &Press) {
         let s = &self.settings;
-        let (a, b) = (s.half_major_mm, s.half_minor_mm);
-        let footprint = Ellipse::new(press.anchor_mm, press.normal, a, b, s.angle_rad);
+        let footprint = s.footprint_at(press);
         let pull = cut(press.foot_mm - press.anchor_mm, s.max_tangential_mm);
         let dent = -press.normal * press.depth_mm.min(s.max_normal_mm.max(0.0));
         let scale = s.normal_scale(press.depth_mm);
-        let wide = footprint.filter(|_| s.tangential && pull != Vec3::ZERO);
-        let narrow = footprint.and_then(|f| f.scaled(scale));
+        let narrow = footprint.as_ref().and_then(|f| f.scaled(scale));
         let narrow = narrow.filter(|_| dent != Vec3::ZERO && dent.is_finite());
+        let wide = footprint.filter(|_| s.tangential && pull != Vec3::ZERO);
         let halves = [(wide, pull, true), (narrow, dent, false)];
         for (outline, centre_mm, tangential) in halves {
             let Some(outline) = outline else { continue };
@@ -191,7 +238,11 @@ impl Fsmd {
                 self.searches.push(RingSearch::default());
             }
             let search = &mut self.searches[self.fields.len()];
-            search.search(surface, &self.patches, &outline, press.triangle);
+            match &outline {
+                Footprint::Ellipse(o) => search.search(surface, &self.patches, o, press.triangle),
+                Footprint::Printed(o) => search.search(surface, &self.patches, o, press.triangle),
+                Footprint::Polar(o) => search.search(surface, &self.patches, o, press.triangle),
+            }
             self.fields.push(Field {
                 centre_mm,
                 outline,
@@ -234,7 +285,8 @@ impl Fsmd {
             return write(vertices, out, |_, _| Vec3::ZERO);
         };
         let positions = surface.positions();
-        let share = |field: &Field, v: u32| field.share(&self.curve, positions[v as usize]);
+        let share =
+            |field: &Field, v: u32| field.share(&self.settings.curve, positions[v as usize]);
         let Some(second) = fields.next() else {
             // The usual case, one field. It was cut at its centre already.
             return if inside == self.patches.patch(p).all() {
@@ -322,7 +374,10 @@ fn sound(press: &Press, surface: &Surface) -> Option<Press> {
         && press.depth_mm >= 0.0
         && press.depth_mm.is_finite()
         && (press.triangle as usize) < surface.triangles().len();
-    sound.then_some(Press { normal, ..*press })
+    sound.then_some(Press {
+        normal,
+        ..press.clone()
+    })
 }
 
 /// `v` shortened to `max_mm` where it is longer; nothing for a cap that is not positive.

@@ -181,6 +181,8 @@ pub fn differ(a: &[Press], b: &[Press]) -> bool {
             && a.foot_mm.abs_diff_eq(b.foot_mm, SEEN_MM)
             && a.normal.abs_diff_eq(b.normal, SEEN_MM)
             && (a.depth_mm - b.depth_mm).abs() <= SEEN_MM
+            && a.oval == b.oval
+            && a.boundary_mm == b.boundary_mm
     };
     a.len() != b.len() || !a.iter().zip(b).all(|(a, b)| same(a, b))
 }
@@ -219,11 +221,12 @@ mod tests {
         };
         let deeper = |by: f64| Press {
             depth_mm: 3.0 + by,
-            ..press
+            ..press.clone()
         };
-        assert!(!differ(&[press], &[deeper(1e-6)]));
-        assert!(differ(&[press], &[deeper(0.1)]));
-        assert!(differ(&[press], &[]));
-        assert!(differ(&[press], &[deeper(f64::NAN)]));
+        let still = std::slice::from_ref(&press);
+        assert!(!differ(still, &[deeper(1e-6)]));
+        assert!(differ(still, &[deeper(0.1)]));
+        assert!(differ(still, &[]));
+        assert!(differ(still, &[deeper(f64::NAN)]));
     }
 }

@@ -28,7 +28,7 @@ impl DrawnSkin {
     /// At rest.
     pub fn new(scene: Arc<Scene>, generation: u64) -> Self {
         Self {
-            model: Box::new(Fsmd::new(scene.deform)),
+            model: Box::new(Fsmd::new(scene.deform.clone())),
             displacement: Displacement::at_rest(&scene.surface),
             presses: Vec::new(),
             update_us: None,
