@@ -46,6 +46,39 @@ pub enum MapError {
         /// Their stiffnesses, N/mm.
         values: [f64; 2],
     },
+    /// More keys than a fit takes.
+    #[error("the fit \"{fit}\" takes at most {most} keys, not {keys}; choose another fit")]
+    TooManyKeys {
+        /// Name of the fit.
+        fit: &'static str,
+        /// Keys given, each place counted once.
+        keys: usize,
+        /// Most allowed.
+        most: usize,
+    },
+    /// Keys that a fit cannot tell apart.
+    #[error(
+        "the fit \"{fit}\" has no sound solution: the keys at ({}, {}) and ({}, {}) mm are too close to each other; \
+         move them apart or choose another fit", places[0].x, places[0].y, places[1].x, places[1].y
+    )]
+    Unsolved {
+        /// Name of the fit.
+        fit: &'static str,
+        /// The keys nearest to each other, mm.
+        places: [Vec2; 2],
+    },
+    /// A stroke states something that is not allowed.
+    #[error("stiffness stroke {stroke}: {field} is {value}; {allowed}")]
+    Stroke {
+        /// Which stroke, counted from 1.
+        stroke: usize,
+        /// Which of its values.
+        field: &'static str,
+        /// As stated.
+        value: String,
+        /// What is allowed.
+        allowed: String,
+    },
     /// A value of an ellipse key, or a setting of the ellipse map, is not allowed.
     #[error("{of}: {field} is {value}; {allowed}")]
     Ellipse {

@@ -8,15 +8,15 @@
 //! |---|---|
 //! | [`stiffness`] | the stiffness map: N/mm |
 //! | [`ellipse`] | the ellipse map: how far and which way a drag carries the skin (Ji 2008, 5.1–5.3) |
-//! | `natural` | natural neighbour interpolation (Sibson 1981), with its extension beyond the hull of the keys |
-//! | [`gri`] | Gaussian radial interpolation (Ji 2008, 5.2), as published and corrected |
+//! | [`fit`] | the functions that a stiffness map may choose from, one file each |
+//! | [`gri`] | Gaussian radial interpolation (Ji 2008, 5.2), as published and corrected: for ellipses, and one of the fits |
 //!
 //! Values are the same bits on every machine and for any number of threads.
 
 pub mod ellipse;
 mod error;
+pub mod fit;
 pub mod gri;
-mod natural;
 mod parallel;
 mod places;
 pub mod stiffness;
@@ -25,8 +25,9 @@ use crate::geom::Vec2;
 
 pub use ellipse::{AngleRule, EllipseField, EllipseKey, EllipseMap, EllipseSettings, Oval};
 pub use error::MapError;
+pub use fit::Fit;
 pub use gri::{Form, Level};
-pub use stiffness::{Fit, StiffnessKey, StiffnessMap};
+pub use stiffness::{StiffnessKey, StiffnessMap, Stroke, leave_one_out};
 
 /// Largest coordinate of a key, mm.
 pub const MAX_COORDINATE_MM: f64 = 1.0e6;

@@ -257,15 +257,10 @@ impl Check<'_> {
         let t = table.get_ref();
         let fit = match &t.fit {
             None => Fit::default(),
-            Some(name) => match name.get_ref().as_str() {
-                "natural" => Fit::Natural,
-                other => {
-                    return Err(self.fail(
-                        &name.span(),
-                        format!("fit = {other:?}; allowed is \"natural\""),
-                    ));
-                }
-            },
+            Some(name) => {
+                let names: Vec<_> = Fit::all().iter().map(|f| (f.name(), *f)).collect();
+                self.choice("fit", name, &names)?
+            }
         };
         let keys = match (&t.constant_n_per_mm, &t.key) {
             (Some(k), None) => {

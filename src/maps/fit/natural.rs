@@ -7,22 +7,12 @@
 //! Natural neighbour coordinates are undefined for places on one line. There, and for one or two places, the value is that
 //! of the closest point on the chain of segments through them.
 
+use super::{Field, Fitted, Reader, Sample, TOUCHING_MM};
 use crate::geom::Vec2;
+use crate::maps::MapError;
 use spade::handles::FixedVertexHandle;
 use spade::{DelaunayTriangulation, HasPosition, HintGenerator, Point2, Triangulation};
-
-/// Places closer than this to each other are one place, and a place this close to the hull lies on it, mm.
-///
-/// A nanometre: far above what rounding does to coordinates of a body (1e-13 mm), far below what anyone can mean. Three
-/// places that rounding has pushed off a line would otherwise span a sliver in which the field runs through all its values.
-pub(super) const TOUCHING_MM: f64 = 1.0e-6;
-
-/// A value at a place.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Sample {
-    pub at: Vec2,
-    pub value: f64,
-}
+use std::sync::Arc;
 
 impl HasPosition for Sample {
     type Scalar = f64;
@@ -40,8 +30,8 @@ fn point(place: Vec2) -> Point2<f64> {
 type Mesh = DelaunayTriangulation<Sample, (), (), (), GridHint>;
 
 /// The fitted field.
-#[derive(Clone, Debug)]
-pub(super) struct NaturalNeighbour {
+#[derive(Debug)]
+struct NaturalNeighbour {
     /// Absent where the places lie on one line.
     mesh: Option<Mesh>,
     /// Segments of the hull, or of the chain through places on one line; one of no length for a single place.
@@ -52,7 +42,7 @@ pub(super) struct NaturalNeighbour {
 
 impl NaturalNeighbour {
     /// Fits `samples`: at least one, finite, no two within [`TOUCHING_MM`], no coordinate beyond 1e60. `None` otherwise.
-    pub fn new(samples: &[Sample]) -> Option<Self> {
+    fn new(samples: &[Sample]) -> Option<Self> {
         let first = samples.first()?;
         let (least, most) = samples
             .iter()
@@ -73,15 +63,6 @@ impl NaturalNeighbour {
             least,
             most,
         })
-    }
-
-    /// A reader of the field; holds scratch memory, so one should serve many places.
-    pub fn reader(&self) -> Reader<'_> {
-        Reader {
-            field: self,
-            inner: self.mesh.as_ref().map(Mesh::natural_neighbor),
-            weights: Vec::new(),
-        }
     }
 
     /// Value at the closest point of the border, and the square of the distance to it, mm².
@@ -110,16 +91,31 @@ impl NaturalNeighbour {
     }
 }
 
-/// Reads a field at one place after another.
-pub(super) struct Reader<'a> {
+pub(super) fn through(samples: &[Sample]) -> Fitted {
+    let field = NaturalNeighbour::new(samples).ok_or(MapError::NoKeys)?;
+    Ok(Arc::new(field))
+}
+
+impl Field for NaturalNeighbour {
+    fn reader(&self) -> Box<dyn Reader + '_> {
+        Box::new(Walker {
+            field: self,
+            inner: self.mesh.as_ref().map(Mesh::natural_neighbor),
+            weights: Vec::new(),
+        })
+    }
+}
+
+/// Reads the field with scratch memory.
+struct Walker<'a> {
     field: &'a NaturalNeighbour,
     inner: Option<spade::NaturalNeighbor<'a, Mesh>>,
     weights: Vec<(FixedVertexHandle, f64)>,
 }
 
-impl Reader<'_> {
-    /// Value at a finite place; between the smallest and the largest of the samples.
-    pub fn at(&mut self, place: Vec2) -> f64 {
+impl Reader for Walker<'_> {
+    /// Between the smallest and the largest of the samples.
+    fn at(&mut self, place: Vec2) -> f64 {
         let (border_value, distance_sq) = self.field.at_border(place);
         let inside = if distance_sq > TOUCHING_MM * TOUCHING_MM {
             self.inside(place)
@@ -130,7 +126,9 @@ impl Reader<'_> {
             .unwrap_or(border_value)
             .clamp(self.field.least, self.field.most)
     }
+}
 
+impl Walker<'_> {
     /// Value from the natural neighbours; `None` outside the hull.
     fn inside(&mut self, place: Vec2) -> Option<f64> {
         let (Some(inner), Some(mesh)) = (&self.inner, &self.field.mesh) else {
