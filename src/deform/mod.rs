@@ -4,6 +4,7 @@
 //! nothing of the others: [`footprint`] how far out a point lies (the ratio q), [`curve`] how much is left there (M(q)),
 //! [`RingSearch`] which vertices hang together with the finger.
 
+pub mod bones;
 mod displacement;
 pub mod footprint;
 pub mod models;

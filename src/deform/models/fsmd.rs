@@ -14,8 +14,10 @@
 //!
 //! Several fingers: normal parts add as vectors, tangential parts add as vectors, then each of the two sums is cut to its
 //! cap in length, its direction kept, and the two are added. So for one finger the caps are the published ones, the order of
-//! caps and sums does not depend on a frame, and two fingers side by side do not dig twice as deep as one may.
+//! caps and sums does not depend on a frame, and two fingers side by side do not dig twice as deep as one may. Where there
+//! are [`bones`](crate::deform::bones), they narrow normal footprints, and limit the normal sum after its cap.
 
+use crate::deform::bones::Bones;
 use crate::deform::curve::Curve;
 use crate::deform::footprint::{Ellipse, Kind, Outline, Polar, PrintedEllipse};
 use crate::deform::patches::{PATCH, Patches};
@@ -24,6 +26,7 @@ use crate::deform::{Displacement, Model, Press, RingSearch};
 use crate::geom::{Vec3, unit_or};
 use crate::maps::Oval;
 use crate::surface::Surface;
+use std::sync::Arc;
 
 /// No coordinate of a press may be larger, mm: a kilometre off is no place on a body, and squares stay finite.
 const FARTHEST_MM: f64 = 1.0e6;
@@ -51,6 +54,8 @@ pub struct Settings {
     pub max_tangential_mm: f64,
     /// Whether the tangential field is computed at all; off in a frictionless scene.
     pub tangential: bool,
+    /// Bone under the surface that limits and narrows normal dents; absent, it is nowhere near.
+    pub bones: Option<Arc<Bones>>,
 }
 
 impl Default for Settings {
@@ -66,6 +71,7 @@ impl Default for Settings {
             max_normal_mm: 10.0,
             max_tangential_mm: 20.0,
             tangential: true,
+            bones: None,
         }
     }
 }
@@ -227,7 +233,10 @@ impl Fsmd {
         let footprint = s.footprint_at(press);
         let pull = cut(press.foot_mm - press.anchor_mm, s.max_tangential_mm);
         let dent = -press.normal * press.depth_mm.min(s.max_normal_mm.max(0.0));
-        let scale = s.normal_scale(press.depth_mm);
+        let mut scale = s.normal_scale(press.depth_mm);
+        if let Some(bones) = &s.bones {
+            scale *= bones.narrowing(surface, press.triangle, press.anchor_mm);
+        }
         let narrow = footprint.as_ref().and_then(|f| f.scaled(scale));
         let narrow = narrow.filter(|_| dent != Vec3::ZERO && dent.is_finite());
         let wide = footprint.filter(|_| s.tangential && pull != Vec3::ZERO);
@@ -288,6 +297,15 @@ impl Fsmd {
         let share =
             |field: &Field, v: u32| field.share(&self.settings.curve, positions[v as usize]);
         let Some(second) = fields.next() else {
+            if let (Some(bones), false) = (&self.settings.bones, first.tangential) {
+                return write(vertices, out, |i, v| {
+                    if inside >> i & 1 == 1 {
+                        bones.limited(v, share(first, v))
+                    } else {
+                        Vec3::ZERO
+                    }
+                });
+            }
             // The usual case, one field. It was cut at its centre already.
             return if inside == self.patches.patch(p).all() {
                 write(vertices, out, |_, v| share(first, v))
@@ -316,6 +334,11 @@ impl Fsmd {
             }
         }
         let (max_n, max_t) = (self.settings.max_normal_mm, self.settings.max_tangential_mm);
+        if let Some(bones) = &self.settings.bones {
+            return write(vertices, out, |i, v| {
+                bones.limited(v, cut(normal[i], max_n)) + cut(tangential[i], max_t)
+            });
+        }
         write(vertices, out, |i, _| {
             cut(normal[i], max_n) + cut(tangential[i], max_t)
         })
