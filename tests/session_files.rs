@@ -60,6 +60,8 @@ fn record() -> impl Strategy<Value = FingerRecord> {
         late: rest.0,
         force_enabled: rest.1,
         placed_anew: rest.3,
+        edit: n.3 ^ n.2,
+        fade: n.0,
         contact: Contact {
             touch,
             triangle: n.2,

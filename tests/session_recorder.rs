@@ -35,6 +35,7 @@ fn header(n_fingers: usize) -> Header {
         build: "test".into(),
         started_utc: utc_now(),
         participant: None,
+        edit: 0,
     }
 }
 

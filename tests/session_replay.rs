@@ -109,6 +109,7 @@ fn header() -> Header {
         build: "test".into(),
         started_utc: "2031-05-17T09:30:00Z".into(),
         participant: None,
+        edit: 0,
     }
 }
 
@@ -157,7 +158,7 @@ fn a_run_replays_bit_for_bit() {
         (report.ticks, report.compared, report.fingers),
         (1500, 1499, 2)
     );
-    assert_eq!((report.gaps, report.missing), (0, 0));
+    assert_eq!((report.passed.gaps, report.passed.missing), (0, 0));
 }
 
 #[test]
@@ -180,7 +181,7 @@ fn a_gap_starts_anew_behind_it_and_is_counted() {
     let file = recorded(ticks);
     let report = check(&file.session(), rig(0.2), Strictness::Strict).unwrap();
     assert!(report.is_bit_exact(), "{:?}", report.first_difference);
-    assert_eq!((report.gaps, report.missing), (2, 41));
+    assert_eq!((report.passed.gaps, report.passed.missing), (2, 41));
     assert_eq!((report.ticks, report.compared), (1159, 1156));
 }
 
@@ -351,7 +352,7 @@ fn a_live_run_replays_bit_for_bit_through_a_stop_and_a_change_of_device() {
     let session = Session::open(&path).unwrap();
     let report = check(&session, rig(0.2), Strictness::Strict).unwrap();
     assert!(report.is_bit_exact(), "{:?}", report.first_difference);
-    assert_eq!((report.ticks, report.gaps), (summary.ticks, 0));
+    assert_eq!((report.ticks, report.passed.gaps), (summary.ticks, 0));
     let recording = session.load(Strictness::Strict).unwrap();
     let second = &recording.fingers[1];
     assert_eq!(second.iter().filter(|r| r.placed_anew).count(), 1);

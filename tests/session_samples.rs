@@ -43,7 +43,7 @@ fn recorded_sessions_replay_bit_for_bit() {
             report.first_difference
         );
         assert!(
-            report.gaps == 0 && report.ticks > 1000 && touching > 300,
+            report.passed.gaps == 0 && report.ticks > 1000 && touching > 300,
             "{origin}: {report:?}"
         );
     }

@@ -103,7 +103,7 @@ fn a_recording_ends_with_its_scene_and_replays_bit_for_bit() {
     let rig = Rig::new(Box::new(touch), header.limits());
     let report = check(&session, rig, Strictness::Strict).expect("readable");
     assert!(report.is_bit_exact(), "{:?}", report.first_difference);
-    assert!(report.ticks > 200 && report.gaps == 0, "{report:?}");
+    assert!(report.ticks > 200 && report.passed.gaps == 0, "{report:?}");
 }
 
 #[test]

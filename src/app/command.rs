@@ -19,6 +19,13 @@ pub enum Command {
     OpenScenario(PathBuf),
     /// Open an embedded example by its file name.
     OpenExample(&'static str),
+    /// Go over to an edit of the open scene, under the finger. Only the newest of many is built and felt.
+    EditScene {
+        /// The scenario as edited, whole.
+        source: String,
+    },
+    /// Write the open scene to a file, which is its own from then on.
+    SaveScenarioAs(PathBuf),
     /// Stop building the scene that is being built.
     CancelBuild,
     /// Switch force output on or off.
@@ -59,6 +66,8 @@ pub enum Command {
 #[expect(missing_docs, reason = "each is documented by its tooltip")]
 pub enum Action {
     OpenScenario,
+    SaveScenario,
+    SaveScenarioAs,
     OpenRecording,
     SaveRecordingAs,
     Quit,
@@ -118,8 +127,10 @@ const fn plain(key: Key) -> Option<KeyboardShortcut> {
 
 impl Action {
     /// All of them, in the order of the menus.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 19] = [
         Self::OpenScenario,
+        Self::SaveScenario,
+        Self::SaveScenarioAs,
         Self::OpenRecording,
         Self::SaveRecordingAs,
         Self::Quit,
@@ -148,6 +159,20 @@ impl Action {
                 icon::ICON_FOLDER_OPEN,
                 ctrl(Key::O),
             ),
+            Self::SaveScenario => (
+                Menu::File,
+                "Save scenario",
+                "Write the open scene, as edited, to its file",
+                icon::ICON_SAVE,
+                ctrl(Key::S),
+            ),
+            Self::SaveScenarioAs => (
+                Menu::File,
+                "Save scenario as…",
+                "Write the open scene, as edited, to a file of your choice",
+                icon::ICON_SAVE_AS,
+                ctrl_shift(Key::S),
+            ),
             Self::OpenRecording => (
                 Menu::File,
                 "Open recording…",
@@ -159,8 +184,8 @@ impl Action {
                 Menu::File,
                 "Save recording as…",
                 "Copy the open or the last recording to a place of your choice",
-                icon::ICON_SAVE_AS,
-                ctrl_shift(Key::S),
+                icon::ICON_FILE_COPY,
+                ctrl_shift(Key::R),
             ),
             Self::Quit => (
                 Menu::File,

@@ -19,6 +19,21 @@ pub fn open_scenario(send: &CommandSender) {
     });
 }
 
+/// Asks where to write the open scene.
+pub fn save_scenario(send: &CommandSender, folder: Option<PathBuf>, name: String) {
+    ask(send, "a place for the scenario", move |dialog| {
+        let dialog = dialog
+            .set_title("Save scenario as")
+            .add_filter("Scenario", &["toml"])
+            .set_file_name(name);
+        let dialog = match folder {
+            Some(folder) => dialog.set_directory(folder),
+            None => dialog,
+        };
+        dialog.save_file().map(Command::SaveScenarioAs)
+    });
+}
+
 /// Asks for a recording and opens it.
 pub fn open_recording(send: &CommandSender, folder: PathBuf) {
     ask(send, "a recording", move |dialog| {

@@ -16,8 +16,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub struct View {
     /// The open scene; `None` while the first one is built.
     pub scene: Option<Arc<Scene>>,
-    /// Counts scenes opened; changes whenever `scene` does.
+    /// Counts scenes opened; changes whenever `scene` becomes another one. An edited scene is the same one: see `edit`.
     pub scene_generation: u64,
+    /// Counts edits of the open scene: while `scene_generation` stays, `scene` changes with it. Surface and search structure
+    /// are then the same ones; maps, fields and settings of the deformation may be others.
+    pub edit: u64,
+    /// Whether the open scene was edited since it was opened or saved.
+    pub unsaved: bool,
     /// What the scene is used for at the moment: it decides what must exist beside it.
     pub purpose: Use,
     /// What panels built for it.
@@ -58,6 +63,8 @@ impl Default for View {
         Self {
             scene: None,
             scene_generation: 0,
+            edit: 0,
+            unsaved: false,
             purpose: Use::default(),
             parts: Parts::default(),
             study: SharedStudy::default(),

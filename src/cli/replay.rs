@@ -3,10 +3,11 @@
 use super::common::{build_scene, progress_bar};
 use super::summary::Summary;
 use super::{CliError, Outcome, print, print_json};
-use crate::scenario::{Scenario, Use};
+use crate::scenario::{self, Scenario, Scene, Use};
 use crate::servo::Rig;
-use crate::session::{CheckReport, Damage, Header, Session, Strictness, check_with};
+use crate::session::{CheckReport, Damage, Edit, Header, Session, Strictness, check_edited};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Which session, and what it is to be compared with.
 #[derive(Debug, clap::Args)]
@@ -45,25 +46,30 @@ struct Printed<'a> {
 pub fn run(args: &ReplayArgs, json: bool) -> Result<Outcome, CliError> {
     let session = Session::open(&args.file).map_err(CliError::input)?;
     let header = session.header();
-    let scene = build_scene(
-        scenario_of(args, header)?,
-        Use {
-            fingers: header.n_fingers(),
-            ..Use::default()
-        },
-    )?;
-    let rig = Rig::new(Box::new(scene.touch), header.limits());
+    let purpose = Use {
+        fingers: header.n_fingers(),
+        ..Use::default()
+    };
+    let scene = build_scene(scenario_of(args, header)?, purpose)?;
+    let rig = Rig::new(Box::new(scene.touch.clone()), header.limits());
+    let rebuild = |edit: &Edit| edited(args, &scene, edit, purpose).map(|s: Scene| s.touch);
     let mut summary = Summary::new(header.dt_s());
     let bar = progress_bar(1000, "replaying    {bar:40} {percent:>3} %  {eta}");
     // Lenient: a killed recording is replayed as far as it goes, and the report tells what is missing.
-    let report = check_with(&session, rig, Strictness::Lenient, |pair, done| {
-        for record in pair.recorded.fingers() {
-            summary.add(record);
-        }
-        if summary.ticks.is_multiple_of(1024) {
-            bar.set_position((done * 1000.0) as u64);
-        }
-    });
+    let report = check_edited(
+        &session,
+        rig,
+        Box::new(rebuild),
+        Strictness::Lenient,
+        |pair, done| {
+            for record in pair.recorded.fingers() {
+                summary.add(record);
+            }
+            if summary.ticks.is_multiple_of(1024) {
+                bar.set_position((done * 1000.0) as u64);
+            }
+        },
+    );
     bar.finish_and_clear();
     let report = report.map_err(CliError::input)?;
     let holds = report.is_bit_exact() && report.damage.chunks == 0 && report.damage.messages == 0;
@@ -92,6 +98,18 @@ pub fn run(args: &ReplayArgs, json: bool) -> Result<Outcome, CliError> {
     } else {
         Outcome::DoesNotHold
     })
+}
+
+/// The scene after an edit. In a scenario of one's own the recorded edits mean nothing: it stays as it is.
+fn edited(args: &ReplayArgs, scene: &Scene, edit: &Edit, purpose: Use) -> Result<Scene, String> {
+    if args.scenario.is_some() {
+        return Ok(scene.clone());
+    }
+    let origin = format!("{}: edit {}", args.file.display(), edit.number);
+    let folder = scene.scenario.folder.as_deref();
+    let scenario = Scenario::parse(&edit.scenario_toml, &origin, folder);
+    let scenario = scenario.map_err(|e| e.to_string())?;
+    scenario::rebuild(scene, Arc::new(scenario), purpose).map_err(|e| e.to_string())
 }
 
 fn scenario_of(args: &ReplayArgs, header: &Header) -> Result<Scenario, CliError> {
@@ -126,21 +144,30 @@ fn tell(printed: &Printed<'_>) {
     print(&printed.summary);
     tell_damage(&printed.replay.damage);
     let report = &printed.replay;
-    if report.gaps > 0 {
-        let (gaps, missing) = (report.gaps, report.missing);
+    if report.passed.gaps > 0 {
+        let (gaps, missing) = (report.passed.gaps, report.passed.missing);
         print(format_args!(
             "gaps          {gaps:>8}, {missing} ticks missing; replayed behind each"
         ));
+    }
+    let passed = &report.passed;
+    if passed.edits > 0 {
+        let edits = passed.edits;
+        print(format_args!(
+            "edits         {edits:>8} of the scene while it was felt"
+        ));
+    }
+    if passed.unrepeated > 0 {
+        let (ticks, first) = (passed.unrepeated, &passed.first_unrepeated);
+        print(format_args!("not repeated  {ticks:>8} ticks; {first}"));
     }
     let fingers = match report.fingers {
         1 => "1 finger".to_owned(),
         n => format!("{n} fingers"),
     };
     let Some(first) = &report.first_difference else {
-        print(format_args!(
-            "bit-exact: {} ticks of {fingers}",
-            report.ticks
-        ));
+        let ticks = report.ticks - passed.unrepeated;
+        print(format_args!("bit-exact: {ticks} ticks of {fingers}"));
         return;
     };
     print(format_args!("not bit-exact: {first}"));

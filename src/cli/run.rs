@@ -213,6 +213,7 @@ impl Plan {
             build: build_id(),
             started_utc: utc_now(),
             participant: None,
+            edit: 0,
         }
     }
 

@@ -33,6 +33,8 @@ pub struct TouchScene {
     pub search: Arc<Bvh>,
     /// How stiff it is.
     pub stiffness: Stiffness,
+    /// Present in a scene that came by an edit: the stiffness it came from, and how far it has got.
+    pub fading: Option<Fading>,
     /// Absent: frictionless, and nothing tangential is computed.
     pub friction: Option<Friction>,
     /// How the finger meets the surface, by name.
@@ -109,11 +111,30 @@ impl TouchScene {
             surface,
             search,
             stiffness,
+            fading: None,
             friction: None,
             choices: Choices::default(),
             shading: None,
             published: None,
         }
+    }
+
+    /// Stiffness that is felt at a point of a triangle with the given corners, N/mm: on the way from the one before an edit
+    /// to the one after it, both in their shares.
+    pub fn stiffness_at(&self, corners: [u32; 3], barycentric: [f64; 3]) -> f64 {
+        let after = self.stiffness.at(corners, barycentric);
+        match &self.fading {
+            Some(Fading { from, share }) if *share < 1.0 => {
+                let before = from.at(corners, barycentric);
+                before * (1.0 - share) + after * share
+            }
+            _ => after,
+        }
+    }
+
+    /// Share of its own stiffness that is felt, 0 … 1: 1 unless it came by an edit and is not wholly there.
+    pub fn share(&self) -> f64 {
+        self.fading.as_ref().map_or(1.0, |f| f.share)
     }
 
     /// Memory held by the search structures and the stiffness values, bytes; the surface is counted by itself.
@@ -151,6 +172,15 @@ impl Stiffness {
                 .sum(),
         }
     }
+}
+
+/// What an edit of the stiffness leads away from, and how far it has got.
+#[derive(Clone, Debug)]
+pub struct Fading {
+    /// Stiffness before the edit. Never itself a mixture: an edit begins when the one before it is wholly there.
+    pub from: Stiffness,
+    /// Share of the new stiffness that is felt, 0 … 1.
+    pub share: f64,
 }
 
 /// Coulomb friction with a static and a dynamic coefficient (Zhang & Mak 1999: 0.46, split 0.46 / 0.44 by Ji 2008, 2.4).

@@ -308,17 +308,11 @@ fn witness(scene: &TouchScene, walk: &Walk, footing: Footing) -> Vec3 {
 }
 
 fn stiffness_at(scene: &TouchScene, triangle: u32, p: Vec3) -> f64 {
-    match &scene.stiffness {
-        super::Stiffness::Uniform(k) => *k,
-        map @ super::Stiffness::PerVertex(_) => map.at(
-            scene.surface.triangles()[triangle as usize],
-            scene
-                .surface
-                .triangle(triangle)
-                .closest_point(p)
-                .barycentric,
-        ),
+    if let (super::Stiffness::Uniform(k), None) = (&scene.stiffness, &scene.fading) {
+        return *k;
     }
+    let at = scene.surface.triangle(triangle).closest_point(p);
+    scene.stiffness_at(scene.surface.triangles()[triangle as usize], at.barycentric)
 }
 
 pub(super) fn felt(scene: &TouchScene, rest: &Rest, cone: Cone, hip: Hip) -> Contact {

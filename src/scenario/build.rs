@@ -5,7 +5,7 @@ use super::{Ledger, Scenario, ScenarioError, SurfaceChoice, Use};
 use crate::contact::published::Published;
 use crate::contact::{ForceModel, Shading, Stiffness, TouchScene};
 use crate::deform::models::fsmd;
-use crate::maps::StiffnessMap;
+use crate::maps::{EllipseField, EllipseMap, StiffnessMap};
 use crate::partition::Partition as _;
 use crate::partition::bvh::Bvh;
 use crate::surface::io::UnitsFound;
@@ -26,6 +26,10 @@ pub struct Scene {
     pub report: Arc<Report>,
     /// Stiffness over the map plane.
     pub stiffness: Arc<StiffnessMap>,
+    /// Footprints over the map plane; absent where the scenario has no ellipse keys, or nothing draws the skin.
+    pub ellipse: Option<Arc<EllipseMap>>,
+    /// The same at every vertex of the skin.
+    pub ellipse_field: Option<Arc<EllipseField>>,
     /// What the servo gets (a copy is boxed and handed in).
     pub touch: TouchScene,
     /// Settings of the drawn deformation.
@@ -107,18 +111,7 @@ pub fn build(
     };
 
     step("Fitting the stiffness map", 0.8)?;
-    let started = Instant::now();
-    let map = StiffnessMap::new(scenario.stiffness_keys.clone(), scenario.stiffness_fit)
-        .map_err(|e| BuildError(e.to_string()))?;
-    let stiffness = match map.uniform() {
-        Some(k) if !needs.has(Item::StiffnessField) => Stiffness::Uniform(k),
-        _ => {
-            let field = Stiffness::PerVertex(map.per_vertex(&surface).into());
-            ledger.built(Item::StiffnessField, field.bytes());
-            ledger.cost(Item::StiffnessField, us_since(started), "build");
-            field
-        }
-    };
+    let (map, stiffness) = stiffness(&scenario, &needs, &surface, &mut ledger)?;
     if needs.has(Item::Friction) {
         ledger.built(Item::Friction, size_of::<crate::contact::Friction>());
     }
@@ -147,13 +140,116 @@ pub fn build(
         scenario,
         surface,
         report: Arc::new(report),
-        stiffness: Arc::new(map),
+        stiffness: map,
+        ellipse: None,
+        ellipse_field: None,
         touch,
         deform,
         mesh_origin,
         mesh_units,
         ledger,
     })
+}
+
+/// Parts that an edit of the maps leaves as they are.
+const KEPT: [Item; 7] = [
+    Item::Surface,
+    Item::Search,
+    Item::Published,
+    Item::Friction,
+    Item::ForceModel,
+    Item::FingerPad,
+    Item::ForceShading,
+];
+
+/// The scene of an edited scenario: shares with `old` all that the edit leaves as it is, and builds only what it changes.
+///
+/// An edit may change the name, the description, `[stiffness]`, `[ellipse]`, `[deformation]` and `[bones]`: what a finger in
+/// touch can go over to without its proxy being placed anew.
+///
+/// # Errors
+/// Another table has changed, or a map is refused.
+pub fn rebuild(old: &Scene, scenario: Arc<Scenario>, purpose: Use) -> Result<Scene, BuildError> {
+    if let Some(table) = fixed_table_changed(&old.scenario, &scenario) {
+        return Err(BuildError(format!(
+            "{table} cannot be edited under the finger; save the scenario and open it anew"
+        )));
+    }
+    let needs = Needs::of(&scenario, purpose);
+    let mut ledger = Ledger::of(&scenario, purpose);
+    for item in KEPT {
+        ledger.carry(item, &old.ledger);
+    }
+    let was = &old.scenario;
+    let same_stiffness = (&was.stiffness_keys, was.stiffness_fit)
+        == (&scenario.stiffness_keys, scenario.stiffness_fit);
+    let (map, felt) = if same_stiffness {
+        ledger.carry(Item::StiffnessField, &old.ledger);
+        (Arc::clone(&old.stiffness), old.touch.stiffness.clone())
+    } else {
+        stiffness(&scenario, &needs, &old.surface, &mut ledger)?
+    };
+    Ok(Scene {
+        surface: Arc::clone(&old.surface),
+        report: Arc::clone(&old.report),
+        stiffness: map,
+        ellipse: None,
+        ellipse_field: None,
+        touch: TouchScene {
+            stiffness: felt,
+            fading: None,
+            ..old.touch.clone()
+        },
+        deform: scenario.deform.clone(),
+        mesh_origin: old.mesh_origin.clone(),
+        mesh_units: old.mesh_units.clone(),
+        scenario,
+        ledger,
+    })
+}
+
+/// The first table that differs of those which decide where a proxy rests and how it is pushed.
+fn fixed_table_changed(a: &Scenario, b: &Scenario) -> Option<&'static str> {
+    let contact = |s: &Scenario| {
+        (
+            s.choices.finger_radius_mm,
+            s.choices.sides,
+            s.choices.shaded,
+        )
+    };
+    if a.surface != b.surface {
+        Some("[surface]")
+    } else if a.friction != b.friction {
+        Some("[friction]")
+    } else if a.choices.force != b.choices.force {
+        Some("[force]")
+    } else if a.published != b.published || contact(a) != contact(b) {
+        Some("[contact]")
+    } else {
+        None
+    }
+}
+
+/// The stiffness map, and what of it is felt.
+fn stiffness(
+    scenario: &Scenario,
+    needs: &Needs,
+    surface: &Surface,
+    ledger: &mut Ledger,
+) -> Result<(Arc<StiffnessMap>, Stiffness), BuildError> {
+    let started = Instant::now();
+    let map = StiffnessMap::new(scenario.stiffness_keys.clone(), scenario.stiffness_fit)
+        .map_err(|e| BuildError(e.to_string()))?;
+    let felt = match map.uniform() {
+        Some(k) if !needs.has(Item::StiffnessField) => Stiffness::Uniform(k),
+        _ => {
+            let field = Stiffness::PerVertex(map.per_vertex(surface).into());
+            ledger.built(Item::StiffnessField, field.bytes());
+            ledger.cost(Item::StiffnessField, us_since(started), "build");
+            field
+        }
+    };
+    Ok((Arc::new(map), felt))
 }
 
 fn us_since(started: Instant) -> f64 {

@@ -11,7 +11,7 @@ mod file;
 mod library;
 mod needs;
 
-pub use build::{BuildError, Scene, build};
+pub use build::{BuildError, Scene, build, rebuild};
 pub use file::{FORMAT, Scenario, ScenarioError, SurfaceChoice};
 pub use library::{Example, default_example, examples};
 pub use needs::{Item, Ledger, LedgerRow, Needs, Use, Verdict};

@@ -29,6 +29,8 @@ pub enum Item {
     Search,
     /// Stiffness per vertex; a uniform stiffness needs none.
     StiffnessField,
+    /// Footprint ellipses per vertex; a scene with one circle for all needs none.
+    EllipseField,
     /// Friction: anchor and slip.
     Friction,
     /// The structure of the published haptic pass.
@@ -55,10 +57,11 @@ pub enum Item {
 
 impl Item {
     /// Every part, in the order of the ledger.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Surface,
         Self::Search,
         Self::StiffnessField,
+        Self::EllipseField,
         Self::Friction,
         Self::Published,
         Self::ForceModel,
@@ -78,6 +81,7 @@ impl Item {
             Self::Surface => "Surface and adjacency",
             Self::Search => "Search structure",
             Self::StiffnessField => "Stiffness per vertex",
+            Self::EllipseField => "Ellipses per vertex",
             Self::Friction => "Friction",
             Self::Published => "Published haptic pass",
             Self::ForceModel => "Force model",
@@ -126,6 +130,7 @@ impl Item {
                     .any(|k| Some(k.stiffness_n_per_mm) != first);
                 choose(varied, "stiffness keys", "stiffness is the same everywhere")
             }
+            Self::EllipseField => LeftOut("one circle for all places"),
             Self::Friction => choose(
                 scenario.friction.is_some(),
                 "[friction]",
@@ -261,6 +266,19 @@ impl Ledger {
     pub fn built(&mut self, item: Item, bytes: usize) {
         let row = &mut self.rows[item as usize];
         (row.built, row.bytes) = (true, bytes);
+    }
+
+    /// Takes over what `item` holds and cost where it was built before.
+    pub(super) fn carry(&mut self, item: Item, from: &Self) {
+        let row = &mut self.rows[item as usize];
+        let LedgerRow {
+            built,
+            bytes,
+            cost_us,
+            cost_per,
+            ..
+        } = *from.row(item);
+        (row.built, row.bytes, row.cost_us, row.cost_per) = (built, bytes, cost_us, cost_per);
     }
 
     /// Notes what `item` costs, µs, per "tick", "frame" or "build".

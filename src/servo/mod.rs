@@ -7,6 +7,7 @@
 //!            ◄── Command (bounded ring) ────────────────── window
 //! ```
 
+mod fade;
 mod limiter;
 mod record;
 mod runner;
@@ -14,6 +15,7 @@ mod tick;
 mod timing;
 
 pub use crate::device::MAX_FINGERS;
+pub use fade::{MOST_SHARE, MOST_STEP_N};
 pub use limiter::{LimitFlags, Limits};
 pub use record::{FingerRecord, TickInput, TickRecord};
 pub use runner::{

@@ -21,7 +21,7 @@ pub struct TickInput {
 }
 
 /// One tick of one finger, complete: the input, the outcome and the state the next tick starts from.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FingerRecord {
     /// Tick number since the servo started.
     pub tick: u64,
@@ -37,6 +37,10 @@ pub struct FingerRecord {
     pub late: bool,
     /// Input: force output was wanted.
     pub force_enabled: bool,
+    /// Input: number of the edit that made the scene what it is; 0 before the first.
+    pub edit: u32,
+    /// Share of that edit that is felt, 0 … 1; below 1 the rest is the scene before it.
+    pub fade: f64,
     /// The contact; holds the proxy, the normal, the anchor, depth, stiffness and the force before limits.
     pub contact: Contact,
     /// Force sent to the device, N.
@@ -45,6 +49,27 @@ pub struct FingerRecord {
     pub limits: LimitFlags,
     /// How long the whole tick took, µs. Measured, not part of the replayed outcome.
     pub duration_us: f32,
+}
+
+impl Default for FingerRecord {
+    /// Nothing read, nothing felt, in a scene that was never edited.
+    fn default() -> Self {
+        Self {
+            tick: 0,
+            finger: 0,
+            time_ns: 0,
+            reading: Reading::default(),
+            placed_anew: false,
+            late: false,
+            force_enabled: false,
+            edit: 0,
+            fade: 1.0,
+            contact: Contact::default(),
+            sent_force_n: Vec3::ZERO,
+            limits: LimitFlags::default(),
+            duration_us: 0.0,
+        }
+    }
 }
 
 impl FingerRecord {
@@ -67,6 +92,7 @@ impl FingerRecord {
                     r.finger,
                     r.late,
                     r.force_enabled,
+                    r.edit,
                     r.limits,
                     c.touch,
                     c.triangle,
@@ -90,6 +116,7 @@ impl FingerRecord {
                     c.stiffness_n_per_mm,
                     c.felt_depth_mm,
                     c.credit_mj,
+                    r.fade,
                 ]
                 .map(f64::to_bits),
             )

@@ -12,7 +12,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// Newest state outward: everything the window shows of the live servo, in physical units.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Snapshot {
     /// The last tick.
     pub record: TickRecord,
@@ -24,12 +24,40 @@ pub struct Snapshot {
     pub force_enabled: bool,
     /// Counts the scenes handed in, so that the window knows which one a record belongs to.
     pub scene_generation: u64,
+    /// Number of the newest edit of the scene; 0 before the first.
+    pub edit: u32,
+    /// Share of that edit that is felt, 0 … 1. The next edit can begin when it is 1.
+    pub fade: f64,
+}
+
+impl Default for Snapshot {
+    /// Nothing felt yet, in a scene that was never edited.
+    fn default() -> Self {
+        Self {
+            record: TickRecord::default(),
+            timing: TimingStats::default(),
+            health: Health::default(),
+            force_enabled: false,
+            scene_generation: 0,
+            edit: 0,
+            fade: 1.0,
+        }
+    }
 }
 
 /// Inward: what the window asks of the servo.
 pub enum Command {
     /// Feel another scene. The old one comes back through [`Lines::retired`] to be freed outside. Proxies are placed anew.
     SetScene(Box<TouchScene>),
+    /// Go over to an edit of the scene, which has the same surface: contacts and devices stay, the force does not jump
+    /// ([`Rig::edit_scene`]). The old scene comes back through [`Lines::retired`]. To be sent when the edit before it is wholly
+    /// felt ([`Snapshot::fade`]); one that comes earlier is handed back unfelt.
+    EditScene {
+        /// Number of the edit, one more than that of the edit before.
+        number: u32,
+        /// The scene as edited.
+        scene: Box<TouchScene>,
+    },
     /// Use another device for a finger; the old one is closed and comes back through [`Lines::retired`]. Ignored (and
     /// handed back) for a finger that there is not.
     SetDevice(usize, Box<dyn Device>),
@@ -383,6 +411,7 @@ impl Loop {
             Health::Good
         };
         self.state.record = out;
+        (self.state.edit, self.state.fade) = (self.rig.edit, self.rig.scene.share());
         self.snapshot.write(self.state);
     }
 
@@ -398,6 +427,14 @@ impl Loop {
                     self.place_anew = [true; MAX_FINGERS];
                     self.state.scene_generation += 1;
                     let _ = self.retired.push(Retired::Scene(old));
+                }
+                Command::EditScene { number, scene } => {
+                    let back = if self.rig.is_fading() {
+                        scene
+                    } else {
+                        self.rig.edit_scene(number, scene)
+                    };
+                    let _ = self.retired.push(Retired::Scene(back));
                 }
                 Command::SetDevice(finger, mut device) => {
                     if let Some(slot) = self.devices.0.get_mut(finger) {

@@ -1,5 +1,6 @@
 //! The tick: a pure function of rig, input and time step.
 
+use super::fade::feel_on_the_way;
 use super::limiter::{Gate, Limits, limit};
 use super::record::{FingerRecord, TickInput, TickRecord};
 use crate::contact::{self, Contact, ContactState, Hip, Touch, TouchScene};
@@ -18,6 +19,8 @@ pub struct Rig {
     pub contacts: [Option<ContactState>; MAX_FINGERS],
     /// Force sent to each finger last tick, N.
     pub last_force_n: [Vec3; MAX_FINGERS],
+    /// Number of the edit that made the scene what it is; 0 before the first.
+    pub edit: u32,
     /// Number of the next tick.
     pub next_tick: u64,
 }
@@ -30,19 +33,23 @@ impl Rig {
             limits,
             contacts: [None; MAX_FINGERS],
             last_force_n: [Vec3::ZERO; MAX_FINGERS],
+            edit: 0,
             next_tick: 0,
         }
     }
 
-    /// Takes over the state that a record left behind, so that the next tick continues the recorded run.
+    /// Takes over the state that a record left behind, so that the next tick continues the recorded run. Where the record is
+    /// one of an edit, the scene must be that of the edit, and on its way ([`TouchScene::fading`]) where the record's was.
     pub fn resume_from(&mut self, record: &TickRecord) {
         for r in record.fingers() {
+            self.edit = r.edit;
+            self.set_share(r.fade);
             let i = usize::from(r.finger);
             if i < MAX_FINGERS {
                 self.contacts[i] = r.contact_state();
                 self.last_force_n[i] = r.sent_force_n;
             }
-            self.next_tick = r.tick + 1;
+            self.next_tick = r.tick.saturating_add(1);
         }
     }
 }
@@ -55,19 +62,29 @@ impl Rig {
 ///
 /// A proxy is first placed where the device is, even inside the skin: there it feels nothing until it has been outside,
 /// so that nobody is pushed out with full force on enabling, on reconnecting or in a new scene.
+///
+/// An edit of the scene ([`Rig::edit_scene`]) comes in by shares: no finger's force changes by more than
+/// [`MOST_STEP_N`](super::MOST_STEP_N) in a tick because of it.
 pub fn tick(rig: &mut Rig, input: &TickInput, dt_s: f64) -> TickRecord {
     let n_fingers = input.n_fingers.min(MAX_FINGERS);
-    let mut out = TickRecord {
-        n_fingers,
-        ..TickRecord::default()
-    };
+    let readings = &input.readings[..n_fingers];
     for i in 0..n_fingers {
-        let reading = input.readings[i];
         if input.place_anew[i] {
             rig.contacts[i] = None;
             rig.last_force_n[i] = Vec3::ZERO;
         }
-        let contact = touch(&rig.scene, &mut rig.contacts[i], &reading);
+    }
+    let felt = if rig.is_fading() {
+        feel_on_the_way(rig, readings)
+    } else {
+        feel(&rig.scene, &mut rig.contacts, readings)
+    };
+    let mut out = TickRecord {
+        n_fingers,
+        ..TickRecord::default()
+    };
+    for (i, contact) in felt.into_iter().enumerate().take(n_fingers) {
+        let reading = input.readings[i];
         let gate = Gate {
             enabled: input.force_enabled,
             late: input.late,
@@ -89,14 +106,29 @@ pub fn tick(rig: &mut Rig, input: &TickInput, dt_s: f64) -> TickRecord {
             placed_anew: input.place_anew[i],
             late: input.late,
             force_enabled: input.force_enabled,
+            edit: rig.edit,
+            fade: rig.scene.share(),
             contact,
             sent_force_n,
             limits,
             duration_us: 0.0,
         };
     }
-    rig.next_tick += 1;
+    rig.next_tick = rig.next_tick.saturating_add(1);
     out
+}
+
+/// What each finger feels; those without a reading feel nothing and are placed anew when they have one.
+pub(super) fn feel(
+    scene: &TouchScene,
+    contacts: &mut [Option<ContactState>; MAX_FINGERS],
+    readings: &[Reading],
+) -> [Contact; MAX_FINGERS] {
+    let mut felt = [Contact::default(); MAX_FINGERS];
+    for ((contact, state), reading) in felt.iter_mut().zip(contacts).zip(readings) {
+        *contact = touch(scene, state, reading);
+    }
+    felt
 }
 
 fn touch(scene: &TouchScene, state: &mut Option<ContactState>, reading: &Reading) -> Contact {

@@ -14,13 +14,15 @@
 //! data end (CRC), summary (schemas, channels, statistics, chunk, attachment and metadata indexes), footer (CRC), magic
 //! ```
 //!
-//! A session holds one scene: whoever changes the scene finishes the file and begins another.
+//! A session holds one surface: whoever opens another scene finishes the file and begins another. The maps of the scene may
+//! be edited while it runs, see *Edits*.
 //!
 //! # Channels
 //! | topic | id | schema | one message per |
 //! |---|---|---|---|
 //! | `/finger/0` … `/finger/3` | 1 … 4 | `dorsum.FingerTick` | tick |
 //! | `/events` | 100 | `dorsum.Event` | event |
+//! | `/edits` | 101 | `dorsum.Edit` | edit of the scene |
 //!
 //! Ids are fixed, so that a file with a damaged first chunk can still be read. Messages are protobuf (proto2); each schema
 //! record holds the whole `FileDescriptorSet`. Every field is written every time, zeros too: `double` fields keep their
@@ -61,6 +63,8 @@
 //! | 22 | `behind` | bool | outcome | The proxy is on the back of its triangle; absent in older files, where it never is |
 //! | 23 | `felt_depth_mm` | double | outcome | Depth the force answers to, mm; where absent, `depth_mm` |
 //! | 24 | `credit_mj` | double | outcome | Balance of force shading, mJ; where absent, 0 |
+//! | 25 | `edit` | uint32 | input | Number of the edit that made the scene what it is; where absent, 0 |
+//! | 26 | `fade` | double | outcome | Share of that edit that is felt, 0 to 1; where absent, 1 |
 //!
 //! Numbers from 32 on are free for later fields; readers skip what they do not know.
 //!
@@ -69,11 +73,22 @@
 //! `lost` (ticks that never reached it), `restart` (the servo was started anew; tick numbers go on after a gap). All
 //! others come from the program or the user, such as `mark`.
 //!
+//! # Edits
+//! An edit is the whole text of the scenario as edited. `dorsum.Edit`: `number` (1, uint32), `tick` (2, uint64) and `time_ns`
+//! (3, uint64) of the newest tick when it was handed to the servo, `scenario` (4, string). Edits are numbered one by one; the
+//! attached scenario is that of the number in the metadata. An edit stands before the first tick that feels it, so that a
+//! killed recording has the text of every edit that its ticks name.
+//!
+//! From edit n − 1 to edit n the stiffness of the scene goes over in shares: a tick with `edit` = n and `fade` = s feels
+//! (1 − s) of the stiffness before and s of the new one, at each place. The tick chooses s, by rules that depend on nothing
+//! but its state and inputs; s grows to 1 before edit n + 1 begins. A tick with `fade` below 1 so is a restart point for
+//! whoever has the texts of both edits. An edit changes no surface, friction, force model or engine.
+//!
 //! # Metadata `dorsum`
 //! `format` = `1`, `scenario_name`, `mesh_hash` (SHA-256, hexadecimal), `mesh_origin`, `mesh_triangles`, `rate_hz` (the time
 //! step is its reciprocal), `build`, `started_utc`, `participant` (a pseudonym; absent when none), `fingers` (their number),
-//! and for each finger `finger.N.device`, `finger.N.rated_force_n`, `finger.N.rise_n_per_s`. Numbers are written so that
-//! they read back to the same bits.
+//! `edit` (the number of the edit that the attached scenario is; absent: 0), and for each finger `finger.N.device`,
+//! `finger.N.rated_force_n`, `finger.N.rise_n_per_s`. Numbers are written so that they read back to the same bits.
 
 use crate::contact::{Contact, Touch};
 use crate::device::Reading;
@@ -85,6 +100,7 @@ use prost_types::{
     DescriptorProto, EnumDescriptorProto, EnumValueDescriptorProto, FieldDescriptorProto,
     FileDescriptorProto, FileDescriptorSet,
 };
+use std::sync::Arc;
 
 /// Version of the layout.
 pub const FORMAT: u32 = 1;
@@ -98,10 +114,16 @@ pub const SCENARIO: &str = "scenario.toml";
 pub const EVENTS_TOPIC: &str = "/events";
 /// Channel of the events.
 pub const EVENTS_CHANNEL: u16 = 100;
+/// Topic of the edits.
+pub const EDITS_TOPIC: &str = "/edits";
+/// Channel of the edits.
+pub const EDITS_CHANNEL: u16 = 101;
 /// Schema of a finger's ticks.
 pub const TICK_SCHEMA: &str = "dorsum.FingerTick";
 /// Schema of an event.
 pub const EVENT_SCHEMA: &str = "dorsum.Event";
+/// Schema of an edit.
+pub const EDIT_SCHEMA: &str = "dorsum.Edit";
 
 /// Topic of a finger's ticks.
 pub fn finger_topic(finger: usize) -> String {
@@ -124,6 +146,19 @@ pub struct Event {
     pub kind: String,
     /// What it says.
     pub text: String,
+}
+
+/// An edit of the scene while it was felt.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Edit {
+    /// Its number, as [`FingerRecord::edit`] names it.
+    pub number: u32,
+    /// The newest tick when it was handed to the servo.
+    pub tick: u64,
+    /// Monotonic time of that tick, ns.
+    pub time_ns: u64,
+    /// The scenario as edited, whole.
+    pub scenario_toml: Arc<str>,
 }
 
 /// What a field of a tick is to a replay.
@@ -247,6 +282,8 @@ pub static FIELDS: &[Field] = &[
     field(24, "credit_mj", Role::Outcome, |r| {
         Value::F64(r.contact.credit_mj)
     }),
+    field(25, "edit", Role::Input, |r| Value::U32(r.edit)),
+    field(26, "fade", Role::Outcome, |r| Value::F64(r.fade)),
 ];
 
 /// The fields of `dorsum.Event`.
@@ -255,6 +292,14 @@ const EVENT_FIELDS: [(i32, &str, Type); 4] = [
     (2, "time_ns", Type::Uint64),
     (3, "kind", Type::String),
     (4, "text", Type::String),
+];
+
+/// The fields of `dorsum.Edit`.
+const EDIT_FIELDS: [(i32, &str, Type); 4] = [
+    (1, "number", Type::Uint32),
+    (2, "tick", Type::Uint64),
+    (3, "time_ns", Type::Uint64),
+    (4, "scenario", Type::String),
 ];
 
 const TOUCHES: [(Touch, &str); 4] = [
@@ -283,9 +328,12 @@ pub fn file_descriptor_set() -> Vec<u8> {
     });
     let axes = ["x", "y", "z"].into_iter().zip(1..);
     let axes = axes.map(|(axis, number)| described(number, axis, Type::Double, None));
-    let event_fields = EVENT_FIELDS
-        .into_iter()
-        .map(|(number, name, kind)| described(number, name, kind, None));
+    let plain = |fields: [(i32, &str, Type); 4]| {
+        let fields = fields.into_iter();
+        fields
+            .map(|(number, name, kind)| described(number, name, kind, None))
+            .collect()
+    };
     let touch = EnumDescriptorProto {
         name: Some("Touch".into()),
         value: TOUCHES
@@ -304,7 +352,8 @@ pub fn file_descriptor_set() -> Vec<u8> {
         message_type: vec![
             message("Vec3", axes.collect()),
             message("FingerTick", tick_fields.collect()),
-            message("Event", event_fields.collect()),
+            message("Event", plain(EVENT_FIELDS)),
+            message("Edit", plain(EDIT_FIELDS)),
         ],
         enum_type: vec![touch],
         syntax: Some("proto2".into()),
@@ -394,6 +443,10 @@ struct FingerTickMessage {
     felt_depth_mm: Option<f64>,
     #[prost(double, optional, tag = "24")]
     credit_mj: Option<f64>,
+    #[prost(uint32, optional, tag = "25")]
+    edit: Option<u32>,
+    #[prost(double, optional, tag = "26")]
+    fade: Option<f64>,
 }
 
 #[derive(Clone, PartialEq, Message)]
@@ -406,6 +459,18 @@ struct EventMessage {
     kind: String,
     #[prost(string, required, tag = "4")]
     text: String,
+}
+
+#[derive(Clone, PartialEq, Message)]
+struct EditMessage {
+    #[prost(uint32, required, tag = "1")]
+    number: u32,
+    #[prost(uint64, required, tag = "2")]
+    tick: u64,
+    #[prost(uint64, required, tag = "3")]
+    time_ns: u64,
+    #[prost(string, required, tag = "4")]
+    scenario: String,
 }
 
 impl From<Vec3> for Vec3Message {
@@ -449,13 +514,15 @@ pub fn encode_tick(record: &FingerRecord, out: &mut Vec<u8>) {
         behind: Some(contact.behind),
         felt_depth_mm: Some(contact.felt_depth_mm),
         credit_mj: Some(contact.credit_mj),
+        edit: Some(record.edit),
+        fade: Some(record.fade),
     };
     out.clear();
     // A Vec always has room.
     let _ = message.encode(out);
 }
 
-/// The record of a message. Fields that are absent are zero.
+/// The record of a message. Fields that are absent are what the table says.
 ///
 /// # Errors
 /// What is wrong with the message.
@@ -481,6 +548,8 @@ pub fn decode_tick(data: &[u8]) -> Result<FingerRecord, String> {
         late: m.late,
         force_enabled: m.force_enabled,
         placed_anew: m.placed_anew,
+        edit: m.edit.unwrap_or(0),
+        fade: m.fade.unwrap_or(1.0),
         contact: Contact {
             touch,
             triangle: m.triangle,
@@ -522,6 +591,31 @@ pub fn decode_event(data: &[u8]) -> Result<Event, String> {
         time_ns: m.time_ns,
         kind: m.kind,
         text: m.text,
+    })
+}
+
+/// The message of an edit.
+pub fn encode_edit(edit: &Edit) -> Vec<u8> {
+    let message = EditMessage {
+        number: edit.number,
+        tick: edit.tick,
+        time_ns: edit.time_ns,
+        scenario: edit.scenario_toml.to_string(),
+    };
+    message.encode_to_vec()
+}
+
+/// The edit of a message.
+///
+/// # Errors
+/// What is wrong with the message.
+pub fn decode_edit(data: &[u8]) -> Result<Edit, String> {
+    let m = EditMessage::decode(data).map_err(|e| e.to_string())?;
+    Ok(Edit {
+        number: m.number,
+        tick: m.tick,
+        time_ns: m.time_ns,
+        scenario_toml: m.scenario.into(),
     })
 }
 

@@ -86,6 +86,9 @@ pub struct Header {
     pub started_utc: String,
     /// Pseudonym of the participant; nothing else personal is written.
     pub participant: Option<String>,
+    /// Number of the edit that `scenario_toml` is; 0 before the first.
+    #[serde(default)]
+    pub edit: u32,
 }
 
 /// The present instant as sessions write it, such as `2031-05-17T09:30:00.125Z`.
@@ -154,6 +157,7 @@ impl Header {
         if let Some(participant) = &self.participant {
             put("participant", participant.clone());
         }
+        put("edit", self.edit.to_string());
         put("fingers", self.devices.len().to_string());
         for (i, device) in self.devices.iter().enumerate() {
             put(&format!("finger.{i}.device"), device.name.clone());
@@ -203,6 +207,10 @@ impl Header {
             build: text(map, "build")?,
             started_utc: text(map, "started_utc")?,
             participant: map.get("participant").cloned(),
+            edit: match map.get("edit") {
+                Some(_) => number(map, "edit", "a count")?,
+                None => 0,
+            },
         })
     }
 }
@@ -273,6 +281,7 @@ pub(super) mod tests {
             build: build_id(),
             started_utc: "2031-05-17T09:30:00.125Z".into(),
             participant: Some("P07".into()),
+            edit: 0,
         }
     }
 
@@ -282,6 +291,7 @@ pub(super) mod tests {
         header.rate_hz = 1000.0 / 3.0;
         header.devices[1].rise_n_per_s = f64::INFINITY;
         header.participant = None;
+        header.edit = 7;
         let map = header.to_map().expect("writable");
         let back = Header::from_map(&map, header.scenario_toml.clone()).expect("readable");
         assert_eq!(back, header);

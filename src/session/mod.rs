@@ -22,12 +22,15 @@ mod wire;
 pub mod writer;
 
 pub use compare::{Difference, FieldDifference};
-pub use format::Event;
+pub use format::{Edit, Event};
 pub use header::{DeviceInfo, Header, MeshSource, build_id, utc_now};
 pub use playback::{PLAYBACK_SPEEDS, Playback};
 pub use reader::{Damage, Entry, Recording, Records, Session, Strictness, Ticks};
 pub use recorder::{RecorderHandle, RecorderState, RecorderStatus, RecorderThread};
-pub use replay::{CheckReport, Resimulated, Resimulation, check, check_with, input_of, resimulate};
+pub use replay::{
+    CheckReport, Passed, Rebuild, Resimulated, Resimulation, check, check_edited, check_with,
+    input_of, resimulate, resimulate_edited,
+};
 pub use writer::{IfExists, RecordingSummary, SessionWriter};
 
 use std::path::PathBuf;
@@ -72,6 +75,18 @@ pub enum SessionError {
         recorded: String,
         /// Hash of the scene's surface, shortened.
         found: String,
+    },
+    /// A tick was felt in a scene that is not to be had.
+    #[error("{path}: tick {tick} was felt after edit {edit} of the scene; {reason}")]
+    Edit {
+        /// Which file.
+        path: PathBuf,
+        /// The tick.
+        tick: u64,
+        /// Number of the edit.
+        edit: u32,
+        /// Why there is no scene for it.
+        reason: String,
     },
     /// The recorder is not in a state to do this, or does not answer.
     #[error("recorder: {0}")]

@@ -235,6 +235,7 @@ mod tests {
             header: sample(2),
             fingers: vec![finger(0), finger(1)],
             events: vec![event(102), event(107)],
+            edits: Vec::new(),
             damage: crate::session::Damage::default(),
         }))
     }

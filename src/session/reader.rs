@@ -1,7 +1,7 @@
 //! Reading sessions, whole ones and what is left of others.
 
 use super::SessionError;
-use super::format::{self, Event};
+use super::format::{self, Edit, Event};
 use super::header::Header;
 use super::wire::{self, Walk, WireError};
 use crate::servo::{FingerRecord, MAX_FINGERS, TickRecord};
@@ -51,6 +51,8 @@ pub enum Entry {
     Tick(FingerRecord),
     /// An event.
     Event(Event),
+    /// An edit of the scene; it comes before the first tick that feels it.
+    Edit(Edit),
 }
 
 /// A session file whose header has been read. Cheap to open, whatever its length.
@@ -129,13 +131,16 @@ impl Session {
     /// The file cannot be opened.
     pub fn entries(&self, strictness: Strictness) -> Result<Records, SessionError> {
         let channels = (0..MAX_FINGERS as u8).map(|i| (format::finger_channel(i), Kind::Finger(i)));
-        let events = (format::EVENTS_CHANNEL, Kind::Events);
+        let others = [
+            (format::EVENTS_CHANNEL, Kind::Events),
+            (format::EDITS_CHANNEL, Kind::Edits),
+        ];
         Ok(Records {
             walk: walk(&self.path, strictness)?,
             path: self.path.clone(),
             n_fingers: self.header.n_fingers(),
             strictness,
-            channels: channels.chain([events]).collect(),
+            channels: channels.chain(others).collect(),
             chunk: Vec::new(),
             at: 0,
             last: [None; MAX_FINGERS],
@@ -156,27 +161,30 @@ impl Session {
             pending: TickRecord::default(),
             tick: 0,
             incomplete: 0,
+            edits: Vec::new(),
         })
     }
 
-    /// Reads everything into memory: about 260 bytes per finger and tick.
+    /// Reads everything into memory: about 280 bytes per finger and tick.
     ///
     /// # Errors
     /// [`Strictness::Strict`]: the first thing wrong. [`Strictness::Lenient`]: only what the system refuses.
     pub fn load(&self, strictness: Strictness) -> Result<Recording, SessionError> {
         let mut fingers = vec![Vec::new(); self.header.n_fingers()];
-        let mut events = Vec::new();
+        let (mut events, mut edits) = (Vec::new(), Vec::new());
         let mut entries = self.entries(strictness)?;
         for entry in &mut entries {
             match entry? {
                 Entry::Tick(record) => fingers[usize::from(record.finger)].push(record),
                 Entry::Event(event) => events.push(event),
+                Entry::Edit(edit) => edits.push(edit),
             }
         }
         Ok(Recording {
             header: self.header.clone(),
             fingers,
             events,
+            edits,
             damage: entries.damage,
         })
     }
@@ -191,14 +199,28 @@ pub struct Recording {
     pub fingers: Vec<Vec<FingerRecord>>,
     /// Every event.
     pub events: Vec<Event>,
+    /// Every edit of the scene.
+    pub edits: Vec<Edit>,
     /// What could not be read.
     pub damage: Damage,
+}
+
+impl Recording {
+    /// The scenario after edit `number`; `None` where its text is not in the file.
+    pub fn scenario_after(&self, number: u32) -> Option<&str> {
+        if number == self.header.edit {
+            return Some(&self.header.scenario_toml);
+        }
+        let edit = self.edits.iter().find(|e| e.number == number);
+        edit.map(|e| &*e.scenario_toml)
+    }
 }
 
 #[derive(Clone, Copy, Debug)]
 enum Kind {
     Finger(u8),
     Events,
+    Edits,
     Foreign,
 }
 
@@ -275,6 +297,7 @@ impl Records {
                         Ok(Some(Entry::Tick(record)))
                     }
                     Some(Kind::Events) => Ok(Some(Entry::Event(format::decode_event(data)?))),
+                    Some(Kind::Edits) => Ok(Some(Entry::Edit(format::decode_edit(data)?))),
                     Some(Kind::Foreign) => Ok(None),
                     None => Err(format!("channel {id} is unknown")),
                 }
@@ -288,6 +311,7 @@ impl Records {
         match finger {
             Some(i) => Kind::Finger(i as u8),
             None if topic == format::EVENTS_TOPIC => Kind::Events,
+            None if topic == format::EDITS_TOPIC => Kind::Edits,
             None => Kind::Foreign,
         }
     }
@@ -403,6 +427,7 @@ pub struct Ticks {
     pending: TickRecord,
     tick: u64,
     incomplete: u64,
+    edits: Vec<Edit>,
 }
 
 impl Ticks {
@@ -422,6 +447,13 @@ impl Ticks {
     }
 }
 
+impl Ticks {
+    /// The edits met since the last call: all that the ticks so far name are among those taken.
+    pub fn take_edits(&mut self) -> Vec<Edit> {
+        std::mem::take(&mut self.edits)
+    }
+}
+
 impl Iterator for Ticks {
     type Item = Result<TickRecord, SessionError>;
 
@@ -430,6 +462,10 @@ impl Iterator for Ticks {
             let record = match self.records.next()? {
                 Err(e) => return Some(Err(e)),
                 Ok(Entry::Event(_)) => continue,
+                Ok(Entry::Edit(edit)) => {
+                    self.edits.push(edit);
+                    continue;
+                }
                 Ok(Entry::Tick(record)) => record,
             };
             if self.pending.n_fingers > 0 && self.tick != record.tick {

@@ -5,6 +5,7 @@ use super::header::Header;
 use super::writer::{IfExists, RecordingSummary, SessionWriter};
 use crate::servo::FingerRecord;
 use rtrb::Consumer;
+use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -17,6 +18,8 @@ const PERIOD: Duration = Duration::from_millis(8);
 const BATCH: usize = 4096;
 /// Orders that wait while the disk is slow.
 const ORDERS: usize = 16;
+/// Edits that wait while the disk is slow.
+const EDITS: usize = 64;
 /// How long [`RecorderHandle::start`] and [`RecorderHandle::stop`] wait for a slow disk.
 const PATIENCE: Duration = Duration::from_secs(10);
 
@@ -70,11 +73,17 @@ enum Order {
     Quit,
 }
 
+/// Number of an edit and the scenario as edited.
+type EditText = (u32, Arc<str>);
+
 /// The recorder's thread.
 pub struct RecorderThread {
     records: Consumer<FingerRecord>,
     tap: Option<Tap>,
     orders: Receiver<Order>,
+    edits: Receiver<EditText>,
+    /// Edits that ticks to come may feel.
+    known: VecDeque<EditText>,
     status: Arc<Mutex<RecorderStatus>>,
     writer: Option<SessionWriter>,
     batch: Vec<FingerRecord>,
@@ -90,11 +99,14 @@ impl RecorderThread {
         tap: Option<Tap>,
     ) -> std::io::Result<RecorderHandle> {
         let (sender, orders) = sync_channel(ORDERS);
+        let (edit_sender, edits) = sync_channel(EDITS);
         let status = Arc::new(Mutex::new(RecorderStatus::default()));
         let recorder = Self {
             records,
             tap,
             orders,
+            edits,
+            known: VecDeque::new(),
             status: Arc::clone(&status),
             writer: None,
             batch: vec![FingerRecord::default(); BATCH],
@@ -103,6 +115,7 @@ impl RecorderThread {
         let thread = name.spawn(move || recorder.run())?;
         Ok(RecorderHandle {
             orders: sender,
+            edits: edit_sender,
             status,
             thread: Some(thread),
         })
@@ -139,6 +152,7 @@ impl RecorderThread {
     /// Empties the ring, at most what it holds now, so that orders are heard even when the servo outruns the disk.
     fn drain(&mut self) {
         let mut left = self.records.slots();
+        self.take_edits();
         while left > 0 {
             let n = left.min(BATCH);
             let Ok(chunk) = self.records.read_chunk(n) else {
@@ -153,11 +167,32 @@ impl RecorderThread {
             }
             let batch = std::mem::take(&mut self.batch);
             self.write(|w| batch[..n].iter().try_for_each(|r| w.write(r)));
+            if let Some(newest) = batch[..n].last() {
+                self.forget_edits_before(newest);
+            }
             self.batch = batch;
         }
         self.write(|w| w.tend(Instant::now()));
         if let Some(writer) = &self.writer {
             report(&self.status, &writer.summary());
+        }
+    }
+
+    /// Takes in and writes the edits that were told. Each is told before it is handed to the servo: called after looking how
+    /// much the ring holds, this has the text of every edit in there.
+    fn take_edits(&mut self) {
+        while let Ok((number, scenario_toml)) = self.edits.try_recv() {
+            self.write(|w| w.edit(number, &scenario_toml));
+            self.known.push_back((number, scenario_toml));
+        }
+    }
+
+    /// Keeps the edit that was felt last, and the one before while both are felt: a file begun now needs no earlier one.
+    fn forget_edits_before(&mut self, newest: &FingerRecord) {
+        let felt_before = u32::from(newest.fade < 1.0);
+        let oldest = newest.edit.saturating_sub(felt_before);
+        while self.known.front().is_some_and(|(n, _)| *n < oldest) {
+            self.known.pop_front();
         }
     }
 
@@ -185,7 +220,13 @@ impl RecorderThread {
                 "is recording already; stop it first".into(),
             ));
         }
-        self.writer = Some(SessionWriter::create(path, header, if_exists)?);
+        let mut writer = SessionWriter::create(path, header, if_exists)?;
+        for (number, scenario_toml) in &self.known {
+            if *number > header.edit {
+                writer.edit(*number, scenario_toml)?;
+            }
+        }
+        self.writer = Some(writer);
         *locked(&self.status) = RecorderStatus {
             state: RecorderState::Recording {
                 path: path.to_owned(),
@@ -235,6 +276,7 @@ fn locked(status: &Mutex<RecorderStatus>) -> MutexGuard<'_, RecorderStatus> {
 /// The outside end of the recorder. Dropping it finishes a running recording and joins the thread.
 pub struct RecorderHandle {
     orders: SyncSender<Order>,
+    edits: SyncSender<EditText>,
     status: Arc<Mutex<RecorderStatus>>,
     thread: Option<JoinHandle<()>>,
 }
@@ -289,6 +331,20 @@ impl RecorderHandle {
     pub fn mark(&self, kind: &str, text: &str) -> bool {
         let order = Order::Mark(kind.to_owned(), text.to_owned());
         self.orders.try_send(order).is_ok()
+    }
+
+    /// Tells of an edit of the scene: to be called before the edit is handed to the servo. Its text is written, if recording,
+    /// before the first tick that feels it. Never waits: `false` when the disk is so slow that the edit could not be taken; then
+    /// it is not to be handed over yet.
+    ///
+    /// The header of a recording begun later may name this edit, or the one before while this one is not wholly felt.
+    #[must_use]
+    pub fn edit(&self, number: u32, scenario_toml: Arc<str>) -> bool {
+        // A recorder that has ended has nothing to write it to.
+        !matches!(
+            self.edits.try_send((number, scenario_toml)),
+            Err(TrySendError::Full(_))
+        )
     }
 
     /// Goes over to the ring of a servo that was started anew, once the old one is empty. A running recording goes on with

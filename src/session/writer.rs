@@ -1,7 +1,7 @@
 //! Writing a session, synchronously.
 
 use super::SessionError;
-use super::format::{self, Event};
+use super::format::{self, Edit, Event};
 use super::header::Header;
 use crate::servo::{FingerRecord, MAX_FINGERS};
 use crate::units::{NS_PER_S, s_from_ns};
@@ -52,6 +52,8 @@ pub struct RecordingSummary {
     pub lost: u64,
     /// Events written.
     pub events: u64,
+    /// Edits of the scene written.
+    pub edits: u64,
 }
 
 /// Where the bytes of a session go: a file, or a stand-in that fails on purpose.
@@ -149,6 +151,7 @@ pub struct SessionWriter<S: Store = File> {
     ticks: u64,
     lost: u64,
     events: u64,
+    edits: u64,
     flushed: Instant,
     kept: Instant,
     keep_wait: Duration,
@@ -209,6 +212,7 @@ impl<S: Store> SessionWriter<S> {
             ticks: 0,
             lost: 0,
             events: 0,
+            edits: 0,
             flushed: now,
             kept: now,
             keep_wait: KEEP_EVERY,
@@ -313,6 +317,22 @@ impl<S: Store> SessionWriter<S> {
         self.put(format::EVENTS_CHANNEL, tick, time_ns, &message)
     }
 
+    /// Writes an edit of the scene: to be called before the first tick that feels it is written.
+    ///
+    /// # Errors
+    /// Writing failed.
+    pub fn edit(&mut self, number: u32, scenario_toml: &Arc<str>) -> Result<(), SessionError> {
+        let (tick, time_ns) = self.newest.unwrap_or((0, self.first_time_ns));
+        let message = format::encode_edit(&Edit {
+            number,
+            tick,
+            time_ns,
+            scenario_toml: Arc::clone(scenario_toml),
+        });
+        self.edits += 1;
+        self.put(format::EDITS_CHANNEL, tick, time_ns, &message)
+    }
+
     fn put(
         &mut self,
         channel_id: u16,
@@ -370,6 +390,7 @@ impl<S: Store> SessionWriter<S> {
             bytes: self.appended.load(Ordering::Relaxed),
             lost: self.lost,
             events: self.events,
+            edits: self.edits,
         }
     }
 
@@ -447,14 +468,13 @@ fn begin<S: Store>(
         let topic = format::finger_topic(finger.into());
         mcap.add_channel_with_id(id, tick, &topic, "protobuf", &about)?;
     }
-    let topic = format::EVENTS_TOPIC;
-    mcap.add_channel_with_id(
-        format::EVENTS_CHANNEL,
-        event,
-        topic,
-        "protobuf",
-        &BTreeMap::new(),
-    )?;
+    let edit = mcap.add_schema(format::EDIT_SCHEMA, "protobuf", &schemas)?;
+    for (id, schema, topic) in [
+        (format::EVENTS_CHANNEL, event, format::EVENTS_TOPIC),
+        (format::EDITS_CHANNEL, edit, format::EDITS_TOPIC),
+    ] {
+        mcap.add_channel_with_id(id, schema, topic, "protobuf", &BTreeMap::new())?;
+    }
     mcap.flush()?;
     Ok(mcap)
 }

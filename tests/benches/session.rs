@@ -51,6 +51,7 @@ fn main() -> Result<(), Failed> {
         build: build_id(),
         started_utc: utc_now(),
         participant: None,
+        edit: 0,
     };
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("bench.mcap");

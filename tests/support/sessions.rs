@@ -31,6 +31,7 @@ pub fn header(n_fingers: usize) -> Header {
         build: "test".into(),
         started_utc: "2031-05-17T09:30:00Z".into(),
         participant: Some("P07".into()),
+        edit: 0,
     }
 }
 /// Records of a smooth run: for each tick one per finger.

@@ -138,6 +138,12 @@ impl Live {
         self.send(servo::Command::SetScene(touch));
     }
 
+    /// Lets the servo go over to an edit of the scene; the fingers stay where they are.
+    pub fn edit_scene(&mut self, number: u32, scene: &Scene) {
+        let scene = Box::new(scene.touch.clone());
+        self.send(servo::Command::EditScene { number, scene });
+    }
+
     /// Switches force output.
     pub fn enable_force(&mut self, on: bool) {
         self.send(servo::Command::EnableForce(on));

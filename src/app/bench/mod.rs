@@ -4,6 +4,8 @@
 
 mod builder;
 mod demo;
+mod document;
+mod edit;
 pub(in crate::app) mod job;
 mod live;
 mod recording;
@@ -21,6 +23,8 @@ use crate::servo::{Fault, FingerRecord, Health, Snapshot};
 use crate::session::RecorderState;
 use builder::Build;
 use demo::Demo;
+use document::{Document, Saving};
+use edit::Edits;
 use live::Live;
 use recording::{Done, Recordings};
 use replay::{Opening, Replay};
@@ -58,8 +62,13 @@ pub struct Bench {
     scene: Option<Arc<Scene>>,
     generation: u64,
     build: Option<Build>,
-    /// Built, and waiting for the recording of the scene before it to be finished.
-    ready: Option<Arc<Scene>>,
+    /// The file that the scene being built comes from.
+    building_from: Option<PathBuf>,
+    /// Built, and waiting for the recording of the scene before it to be finished; with its file.
+    ready: Option<(Arc<Scene>, Option<PathBuf>)>,
+    edits: Edits,
+    document: Document,
+    saving: Option<Saving>,
     live: Option<Live>,
     /// Shown until there is a servo.
     no_history: Arc<Mutex<History>>,
@@ -87,7 +96,11 @@ impl Bench {
             scene: None,
             generation: 0,
             build: None,
+            building_from: None,
             ready: None,
+            edits: Edits::default(),
+            document: Document::default(),
+            saving: None,
             live: None,
             no_history: Arc::default(),
             recordings: Recordings::new(folder),
@@ -116,8 +129,12 @@ impl Bench {
 
     /// Starts building a scene; one that is being built is cancelled.
     pub fn open(&mut self, source: Source) {
+        let path = match &source {
+            Source::File(path) => Some(path.clone()),
+            Source::Example(_) | Source::Text { .. } => None,
+        };
         match builder::build(source, PURPOSE, self.wake.clone()) {
-            Ok(build) => self.build = Some(build),
+            Ok(build) => (self.build, self.building_from) = (Some(build), path),
             Err(e) => self.tell(Level::Error, format!("the builder cannot start: {e}")),
         }
     }
@@ -173,10 +190,17 @@ impl Bench {
         let mut changed = self.poll_build();
         changed |= self.poll_ready();
         changed |= self.poll_opening();
+        changed |= self.poll_saving();
         changed |= self.poll_live();
+        changed |= self.poll_edits();
         changed |= self.poll_recorder();
         if let Some(replay) = &mut self.replay {
             changed |= replay.playback().advance(dt_s);
+            let (moved_on, remark) = replay.follow_edits(&self.wake);
+            changed |= moved_on;
+            if let Some(remark) = remark {
+                self.tell(Level::Warning, remark);
+            }
         }
         if let (Some(demo), Some(live), Some(scene)) = (&mut self.demo, &self.live, &self.scene) {
             demo.advance(dt_s, scene, live.hands());
@@ -213,7 +237,7 @@ impl Bench {
         let cancelled = build.is_cancelled();
         self.build = None;
         match result {
-            Ok(scene) => self.ready = Some(Arc::new(scene)),
+            Ok(scene) => self.ready = Some((Arc::new(scene), self.building_from.take())),
             Err(e) if cancelled || e.0 == BuildError::CANCELLED => {
                 self.tell(Level::Info, "Building was cancelled");
             }
@@ -233,8 +257,11 @@ impl Bench {
         }
         if !self.is_recording()
             && !self.recordings.is_busy()
-            && let Some(scene) = self.ready.take()
+            && self.saving.is_none()
+            && let Some((scene, path)) = self.ready.take()
+            && self.keep_unsaved()
         {
+            self.document = Document::opened(path, &scene.scenario.source);
             self.set_scene(scene);
         }
         true
@@ -259,6 +286,7 @@ impl Bench {
                 Err(e) => self.tell(Level::Error, format!("the servo cannot start: {e}")),
             },
         }
+        self.edits.begin(&scene);
         self.scene = Some(scene);
         self.generation += 1;
     }
@@ -370,7 +398,7 @@ impl Bench {
         let started = if recording {
             self.recordings.stop(recorder).map_err(|e| e.to_string())
         } else {
-            let header = recording::header(scene, live);
+            let header = recording::header(scene, live, self.edits.settled());
             self.recordings
                 .start(recorder, header)
                 .map_err(|e| e.to_string())
@@ -482,6 +510,7 @@ impl Bench {
     pub fn shut_down(&mut self) {
         self.build = None;
         self.opening = None;
+        self.keep_unsaved();
         self.recordings.wait();
         self.live = None;
     }
@@ -490,6 +519,8 @@ impl Bench {
     pub fn fill(&self, view: &mut View) {
         view.scene.clone_from(&self.scene);
         view.scene_generation = self.generation;
+        view.edit = self.edits.applied();
+        view.unsaved = self.is_edited();
         view.build = match (&self.build, &self.opening) {
             (Some(build), _) => Some(build.status()),
             (None, Some(opening)) => Some(opening.status()),
@@ -520,6 +551,7 @@ impl Bench {
             view.history = replay.history().clone();
             if let Some(scene) = replay.scene() {
                 view.scene = Some(scene.clone());
+                view.edit = replay.scenes_shown();
             }
         }
     }

@@ -1,5 +1,6 @@
 //! The recorder as the bench uses it: starting and finishing a file may wait for the disk, so each is a job of its own.
 
+use super::edit::EditText;
 use super::live::Live;
 use crate::app::state::{RecentFile, RecorderStatus};
 use crate::scenario::Scene;
@@ -212,11 +213,11 @@ fn recording_name(header: &Header) -> String {
     }
 }
 
-/// What a recording of `scene` on `live` says about itself.
-pub fn header(scene: &Scene, live: &Live) -> Header {
+/// What a recording of `scene` on `live` says about itself; `felt` is the newest edit that is wholly felt.
+pub fn header(scene: &Scene, live: &Live, felt: &EditText) -> Header {
     let limits = live.limits();
     Header {
-        scenario_toml: scene.scenario.source.clone(),
+        scenario_toml: felt.1.to_string(),
         scenario_name: scene.scenario.name.clone(),
         mesh: MeshSource::new(&scene.surface, &scene.mesh_origin),
         devices: live
@@ -228,6 +229,7 @@ pub fn header(scene: &Scene, live: &Live) -> Header {
         build: session::build_id(),
         started_utc: session::utc_now(),
         participant: None,
+        edit: felt.0,
     }
 }
 
@@ -249,6 +251,7 @@ mod tests {
             build: String::new(),
             started_utc: "2031-05-17T09:30:00.125Z".into(),
             participant: None,
+            edit: 0,
         }
     }
 

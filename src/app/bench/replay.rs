@@ -1,6 +1,7 @@
 //! A recording on show: read, its scene built and its plots filled on a thread of their own.
 
 use super::Wake;
+use super::edit::edited;
 use super::file_name;
 use super::job::Job;
 use crate::app::history::History;
@@ -15,7 +16,15 @@ use std::sync::{Arc, Mutex};
 pub struct Replay {
     path: PathBuf,
     playback: Playback,
+    /// The scene of the header.
+    first: Option<Arc<Scene>>,
+    /// The scene of the present instant, and the edit that made it.
     scene: Option<Arc<Scene>>,
+    edit: u32,
+    /// The edit whose scene is being built, or could not be.
+    build: Option<(u32, Job<Result<Scene, String>>)>,
+    refused: Option<u32>,
+    scenes_shown: u64,
     history: Arc<Mutex<History>>,
 }
 
@@ -88,13 +97,19 @@ fn read(
         ));
     }
     let history = history_of(&recording);
+    let edit = recording.header.edit;
     let mut playback = Playback::new(Arc::new(recording));
     playback.play();
     Ok((
         Replay {
             path: path.to_owned(),
             playback,
+            first: scene.clone(),
             scene,
+            edit,
+            build: None,
+            refused: None,
+            scenes_shown: 0,
             history: Arc::new(Mutex::new(history)),
         },
         remarks,
@@ -149,7 +164,75 @@ impl Replay {
         self.playback.at().fingers().to_vec()
     }
 
-    /// The recorded scene, where it could be built.
+    /// Goes over to the scene of the present instant, which is built beside the window. Answers whether there is another one
+    /// now, and what is to be said about one that cannot be had.
+    pub fn follow_edits(&mut self, wake: &Wake) -> (bool, Option<String>) {
+        let (Some(first), Some(scene)) = (&self.first, &self.scene) else {
+            return (false, None);
+        };
+        let wanted = self.playback.at().fingers[0].edit;
+        let lost = || Err("the builder stopped unexpectedly".to_owned());
+        let built = self
+            .build
+            .as_ref()
+            .and_then(|(n, job)| Some((*n, job.poll(lost)?)));
+        if let Some((number, outcome)) = built {
+            self.build = None;
+            return match outcome {
+                Ok(scene) => {
+                    self.show(number, Arc::new(scene));
+                    (true, None)
+                }
+                Err(reason) => {
+                    self.refused = Some(number);
+                    let path = self.path.display();
+                    let text =
+                        format!("{path}: the scene after edit {number} cannot be shown: {reason}");
+                    (false, Some(text))
+                }
+            };
+        }
+        if wanted == self.edit || self.build.is_some() || self.refused == Some(wanted) {
+            return (false, None);
+        }
+        let recording = self.playback.recording();
+        if wanted == recording.header.edit {
+            let first = Arc::clone(first);
+            self.show(wanted, first);
+            return (true, None);
+        }
+        let source = recording.scenario_after(wanted).map(str::to_owned);
+        let old = Arc::clone(scene);
+        let work = move |_: super::job::Progress<'_>| {
+            let source = source.ok_or("the file does not hold what was edited")?;
+            edited(&old, &source).map_err(|e| e.to_string())
+        };
+        match Job::start("replay editor", BuildStatus::default(), wake.clone(), work) {
+            Ok(job) => {
+                self.build = Some((wanted, job));
+                (false, None)
+            }
+            Err(e) => {
+                self.refused = Some(wanted);
+                (
+                    false,
+                    Some(format!("the recorded edit cannot be shown: {e}")),
+                )
+            }
+        }
+    }
+
+    fn show(&mut self, edit: u32, scene: Arc<Scene>) {
+        (self.edit, self.scene, self.refused) = (edit, Some(scene), None);
+        self.scenes_shown += 1;
+    }
+
+    /// Counts the scenes shown, one after the other.
+    pub fn scenes_shown(&self) -> u64 {
+        self.scenes_shown
+    }
+
+    /// The recorded scene at the present instant, where it could be built.
     pub fn scene(&self) -> Option<&Arc<Scene>> {
         self.scene.as_ref()
     }

@@ -15,6 +15,8 @@ impl Workbench {
             Command::Do(action) => self.act(ctx, action),
             Command::OpenScenario(path) => shared.bench().open(Source::File(path)),
             Command::OpenExample(file) => shared.bench().open_example(file),
+            Command::EditScene { source } => shared.bench().edit_scene(source),
+            Command::SaveScenarioAs(path) => shared.bench().save_scenario_as(path),
             Command::CancelBuild => shared.bench().cancel_build(),
             Command::EnableForce(on) => shared.bench().enable_force(on),
             Command::OpenRecording(path) => shared.bench().open_recording(path),
@@ -44,6 +46,13 @@ impl Workbench {
         let send = &shared.send;
         match action {
             Action::OpenScenario => dialogs::open_scenario(send),
+            Action::SaveScenario if shared.bench().scenario_path().is_some() => {
+                shared.bench().save_scenario();
+            }
+            Action::SaveScenario | Action::SaveScenarioAs => {
+                let (folder, name) = shared.bench().suggested_file();
+                dialogs::save_scenario(send, folder, name);
+            }
             Action::OpenRecording => {
                 let folder = shared.bench().folder().to_owned();
                 dialogs::open_recording(send, folder);

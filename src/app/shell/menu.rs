@@ -98,6 +98,8 @@ fn menu_ui(ui: &mut egui::Ui, shared: &Shared, title: &str, menu: Menu, view: &V
 pub fn is_possible(action: Action, view: &View) -> bool {
     match action {
         Action::SaveRecordingAs => view.playback.is_some() || !view.recorder.recent.is_empty(),
+        Action::SaveScenario => view.unsaved && view.playback.is_none(),
+        Action::SaveScenarioAs => view.scene.is_some() && view.playback.is_none(),
         Action::Record => view.scene.is_some(),
         Action::AllowForce => !view.force_enabled,
         Action::StopForce => view.force_enabled,

@@ -209,6 +209,9 @@ impl Workbench {
 
     fn set_title(&mut self, ctx: &egui::Context, view: &View) {
         let title = match &view.scene {
+            Some(scene) if view.unsaved && view.playback.is_none() => {
+                format!("Dorsum — {} (edited)", scene.scenario.name)
+            }
             Some(scene) => format!("Dorsum — {}", scene.scenario.name),
             None => "Dorsum".into(),
         };

@@ -15,6 +15,9 @@ pub fn ui(ui: &mut egui::Ui, view: &View) {
                 build.scenario,
                 build.fraction * 100.0
             ),
+            (None, Some(scene)) if view.unsaved && view.playback.is_none() => {
+                format!("{} · edited", scene.scenario.name)
+            }
             (None, Some(scene)) => scene.scenario.name.clone(),
             (None, None) => "No scene".into(),
         };

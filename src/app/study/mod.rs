@@ -116,8 +116,9 @@ impl Study {
             self.forget();
             return;
         };
-        let same =
-            |(s, g): &(Arc<Scene>, u64)| Arc::ptr_eq(s, scene) && *g == view.scene_generation;
+        let same = |(s, g): &(Arc<Scene>, u64)| {
+            Arc::ptr_eq(&s.surface, &scene.surface) && *g == view.scene_generation
+        };
         if !self.scene.as_ref().is_some_and(same) {
             self.forget();
             self.scene = Some((scene.clone(), view.scene_generation));
