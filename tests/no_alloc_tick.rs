@@ -114,7 +114,7 @@ fn run(published: Option<published::Options>, ticks: i32) {
         Arc::new(built.unwrap().unwrap())
     });
     let search = Arc::new(Bvh::new(&surface));
-    let stiffness = surface
+    let stiffness: Arc<[f64]> = surface
         .positions()
         .iter()
         .map(|p| 0.5 + 0.001 * p.x)
@@ -126,9 +126,26 @@ fn run(published: Option<published::Options>, ticks: i32) {
             skin_looseness: 1.0,
         }),
         published,
-        ..TouchScene::new(Arc::new(surface), search, Stiffness::PerVertex(stiffness))
+        ..TouchScene::new(
+            Arc::new(surface),
+            search,
+            Stiffness::PerVertex(stiffness.clone()),
+        )
     };
-    let mut rig = Rig::new(Box::new(scene), Default::default());
+    // Edits of the stiffness come in all the time: boxes made before, freed after.
+    let edited = |i: u32| {
+        let uneven = |k: &f64| k * (0.6 + 0.2 * f64::from(i % 5));
+        let stiffness = Stiffness::PerVertex(stiffness.iter().map(uneven).collect());
+        Box::new(TouchScene {
+            stiffness,
+            ..scene.clone()
+        })
+    };
+    let n_edits = ticks as u32 / 150;
+    let mut edits: Vec<_> = (1..=n_edits).map(edited).collect();
+    let mut old = Vec::with_capacity(edits.len());
+    let mut fading = 0;
+    let mut rig = Rig::new(Box::new(scene.clone()), Default::default());
     let (mut records, mut drained) = rtrb::RingBuffer::<FingerRecord>::new(1024);
     let mut seen = [0_u32; 4];
     let mut read = 0;
@@ -158,6 +175,13 @@ fn run(published: Option<published::Options>, ticks: i32) {
                 connected: k % 1303 != 0,
                 ..Reading::default()
             };
+            if k % 100 == 50
+                && !rig.is_fading()
+                && let Some(scene) = edits.pop()
+            {
+                old.push(rig.edit_scene(rig.edit + 1, scene));
+            }
+            fading += u32::from(rig.is_fading());
             let record = tick(&mut rig, &input, 1e-3);
             for finger in record.fingers() {
                 seen[finger.contact.touch as usize] += 1;
@@ -169,6 +193,11 @@ fn run(published: Option<published::Options>, ticks: i32) {
         }
     });
     assert_eq!(read, 2 * ticks);
+    assert!(
+        rig.edit >= 5 && fading > 300,
+        "{} edits, {fading} ticks",
+        rig.edit
+    );
     let [free, _, stick, slip] = seen;
     let enough = if as_published {
         free > 100 && stick + slip > 400

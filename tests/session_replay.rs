@@ -201,7 +201,8 @@ fn a_changed_reading_is_found_at_its_tick() {
 #[test]
 fn one_changed_bit_of_an_outcome_is_found_with_its_field() {
     type Change = fn(&mut FingerRecord);
-    let changes: [(&str, Change); 6] = [
+    let changes: [(&str, Change); 7] = [
+        ("fade", |r| r.fade = next(r.fade)),
         ("anchor_mm.y", |r| {
             r.contact.anchor_mm.y = next(r.contact.anchor_mm.y)
         }),
