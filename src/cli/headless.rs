@@ -6,7 +6,7 @@ use super::run::{Plan, script_over};
 use super::summary::Summary;
 use super::{CliError, Outcome, print, print_json};
 use crate::contact::{Contact, Touch};
-use crate::deform::{Displacement, Model as _, Press, models::fsmd::Fsmd};
+use crate::deform::{Displacement, Model as _, models::fsmd::Fsmd};
 use crate::device::scripted::Script;
 use crate::figure::{self, Ball, Camera, LinePlot, Picture, Series};
 use crate::geom::Vec3;
@@ -173,7 +173,7 @@ fn write_picture(scene: &Scene, contact: Option<&Contact>, path: &Path) -> std::
     let mut balls = Vec::new();
     if let Some(contact) = contact.filter(|c| c.touch != Touch::Free) {
         let pad_mm = scene.touch.choices.pad_mm();
-        let press = Press::of(contact, pad_mm);
+        let press = scene.press(contact);
         Fsmd::new(scene.deform.clone()).update(surface, press.as_slice(), &mut skin);
         let radius_mm = pad_mm.unwrap_or(FINGERTIP_MM);
         let at = press.as_ref().map_or(contact.anchor_mm, |p| p.anchor_mm);

@@ -2,7 +2,7 @@
 
 use super::common::{build_scene, bytes_text, default_place, height_mm, load_scenario};
 use super::{CliError, Outcome, print, print_json};
-use crate::deform::{Displacement, Model as _, Press, models::fsmd::Fsmd};
+use crate::deform::{Displacement, Model as _, models::fsmd::Fsmd};
 use crate::device::scripted::{Script, Scripted};
 use crate::scenario::{Item, Ledger, Scene, Use};
 use crate::servo::{self, Limits, MAX_FINGERS, Rig};
@@ -148,11 +148,10 @@ fn measure(scene: &Scene, purpose: Use, ledger: &mut Ledger) -> f64 {
     model.prepare(&scene.surface);
     let mut skin = Displacement::at_rest(&scene.surface);
     let started = Instant::now();
-    let pad_mm = scene.touch.choices.pad_mm();
     let mut n_frames = 0_u32;
     for contact in records.iter().step_by(TICKS_PER_FRAME) {
-        let press: Vec<Press> = Press::of(contact, pad_mm).into_iter().collect();
-        model.update(&scene.surface, &press, &mut skin);
+        let press = scene.press(contact);
+        model.update(&scene.surface, press.as_slice(), &mut skin);
         n_frames += 1;
         if started.elapsed() > MEASURED_FOR {
             break;

@@ -3,7 +3,8 @@
 use super::needs::{Item, Needs};
 use super::{Ledger, Scenario, ScenarioError, SurfaceChoice, Use};
 use crate::contact::published::Published;
-use crate::contact::{ForceModel, Shading, Stiffness, TouchScene};
+use crate::contact::{Contact, ForceModel, Shading, Stiffness, TouchScene};
+use crate::deform::Press;
 use crate::deform::models::fsmd;
 use crate::maps::{EllipseField, EllipseMap, StiffnessMap};
 use crate::partition::Partition as _;
@@ -40,6 +41,21 @@ pub struct Scene {
     pub mesh_units: Option<UnitsFound>,
     /// What was built and what was left out, with its cost.
     pub ledger: Ledger,
+}
+
+impl Scene {
+    /// How a finger in `contact` presses the drawn skin, with the footprint that the maps have at its anchor; `None` when it
+    /// does not touch, or its triangle is none of this scene.
+    pub fn press(&self, contact: &Contact) -> Option<Press> {
+        let press = Press::of(contact, self.touch.choices.pad_mm())?;
+        if press.triangle as usize >= self.surface.triangles().len() {
+            return None;
+        }
+        Some(match (&self.ellipse, &self.ellipse_field) {
+            (Some(map), Some(field)) => press.on_map(&self.surface, map, field),
+            _ => press,
+        })
+    }
 }
 
 /// Why a scene could not be built.

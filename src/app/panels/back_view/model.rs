@@ -167,8 +167,7 @@ pub fn is_seen(scene: &Scene, camera: &Camera, point_mm: Vec3) -> bool {
 pub fn presses(records: &[FingerRecord], scene: &Scene) -> Vec<Press> {
     records
         .iter()
-        .filter_map(|r| Press::of(&r.contact, scene.touch.choices.pad_mm()))
-        .filter(|p| (p.triangle as usize) < scene.surface.triangles().len())
+        .filter_map(|r| scene.press(&r.contact))
         .collect()
 }
 
@@ -181,6 +180,8 @@ pub fn differ(a: &[Press], b: &[Press]) -> bool {
             && a.foot_mm.abs_diff_eq(b.foot_mm, SEEN_MM)
             && a.normal.abs_diff_eq(b.normal, SEEN_MM)
             && (a.depth_mm - b.depth_mm).abs() <= SEEN_MM
+            && a.oval == b.oval
+            && a.boundary_mm == b.boundary_mm
             && a.oval == b.oval
             && a.boundary_mm == b.boundary_mm
     };
