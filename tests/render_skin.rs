@@ -61,6 +61,7 @@ fn picture(surface: &Surface) -> Picture {
             wire: [22, 24, 27],
         },
         skin: true,
+        tint: None,
         wireframe: false,
         draft: false,
         spheres: Vec::new(),

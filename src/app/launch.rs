@@ -29,6 +29,8 @@ pub struct Options {
     pub dark: Option<bool>,
     /// A panel to bring to the front, by its key.
     pub panel: Option<String>,
+    /// What the Back view colours the skin by, by its key; `None` takes the stored choice.
+    pub colour: Option<String>,
     /// Size of the window, points.
     pub size: (u16, u16),
 }
@@ -54,6 +56,7 @@ impl Default for Options {
             press: false,
             dark: None,
             panel: None,
+            colour: None,
             size: (1280, 800),
         }
     }
@@ -83,6 +86,11 @@ pub fn run(options: Options) -> Result<(), String> {
         folder: recordings_folder(),
         dark: options.dark,
         panel: options.panel.clone(),
+        recall: options
+            .colour
+            .iter()
+            .map(|key| (super::panels::BACK_VIEW_KEY.into(), format!("colour={key}")))
+            .collect(),
     };
     let (width, height) = (f32::from(options.size.0), f32::from(options.size.1));
     let native = eframe::NativeOptions {

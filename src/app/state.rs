@@ -109,6 +109,11 @@ impl Parts {
         self.lock().remove(&item);
     }
 
+    /// Whether `item` is there.
+    pub fn has(&self, item: Item) -> bool {
+        self.lock().contains_key(&item)
+    }
+
     /// What was reported.
     pub fn list(&self) -> Vec<(Item, PartCost)> {
         self.lock().iter().map(|(i, c)| (*i, *c)).collect()

@@ -31,6 +31,10 @@ pub struct WorkbenchArgs {
     /// Bring this panel to the front (its key, such as "scene").
     #[arg(long, value_name = "PANEL")]
     panel: Option<String>,
+    /// Colour the skin by this: skin, strain, displacement, stiffness, half-major, ratio or direction; otherwise as chosen
+    /// last.
+    #[arg(long, value_name = "NAME")]
+    colour: Option<String>,
     /// A recording to replay at once.
     #[arg(long, value_name = "FILE.mcap")]
     recording: Option<PathBuf>,
@@ -99,6 +103,9 @@ fn options(args: &WorkbenchArgs) -> Result<crate::app::Options, CliError> {
         // Refused here, a bad scenario is told in one line instead of in a window.
         None => super::common::load_scenario(name).map(|_| Source::File(name.into())),
     };
+    if let Some(key) = &args.colour {
+        crate::app::colours::named(key).map_err(CliError::input)?;
+    }
     Ok(Options {
         source: args.scenario.as_ref().map(source).transpose()?,
         first_frame: args.first_frame,
@@ -109,6 +116,7 @@ fn options(args: &WorkbenchArgs) -> Result<crate::app::Options, CliError> {
         press: args.press,
         dark: args.theme.map(|theme| theme == Theme::Dark),
         panel: args.panel.clone(),
+        colour: args.colour.clone(),
         size: args.size,
         recording: args.recording.clone(),
         ..Options::default()

@@ -18,6 +18,8 @@ pub struct Use {
     pub plotted: bool,
     /// A Partition panel is open.
     pub partitioned: bool,
+    /// A quantity colours the skin.
+    pub coloured: bool,
 }
 
 /// A part that a scene may need.
@@ -47,6 +49,8 @@ pub enum Item {
     TangentialField,
     /// Vertex buffers for the window.
     GraphicsMesh,
+    /// A number per vertex that colours the skin.
+    SurfaceColour,
     /// A published tree of cells, to be looked at.
     PartitionTree,
     /// Plot history.
@@ -57,7 +61,7 @@ pub enum Item {
 
 impl Item {
     /// Every part, in the order of the ledger.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Surface,
         Self::Search,
         Self::StiffnessField,
@@ -70,6 +74,7 @@ impl Item {
         Self::Deformation,
         Self::TangentialField,
         Self::GraphicsMesh,
+        Self::SurfaceColour,
         Self::PartitionTree,
         Self::PlotHistory,
         Self::Recorder,
@@ -90,6 +95,7 @@ impl Item {
             Self::Deformation => "Deformation",
             Self::TangentialField => "Tangential field",
             Self::GraphicsMesh => "Graphics mesh",
+            Self::SurfaceColour => "Surface colour",
             Self::PartitionTree => "Partition tree",
             Self::PlotHistory => "Plot history",
             Self::Recorder => "Recorder",
@@ -165,6 +171,11 @@ impl Item {
                 (false, _) => LeftOut("nothing shows the skin"),
             },
             Self::GraphicsMesh => choose(purpose.drawn, "back view", "no back view is open"),
+            Self::SurfaceColour => choose(
+                purpose.drawn && purpose.coloured,
+                "back view",
+                "bare skin is shown",
+            ),
             Self::PartitionTree => choose(
                 purpose.partitioned,
                 "partition panel",

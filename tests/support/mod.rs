@@ -37,6 +37,7 @@ pub fn scene() -> Arc<Scene> {
                 recorded: true,
                 plotted: true,
                 partitioned: false,
+                coloured: false,
             };
             let scene = scenario::build(Arc::new(scenario), purpose, &mut |_, _| true);
             Arc::new(scene.unwrap())

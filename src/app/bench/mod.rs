@@ -47,6 +47,7 @@ const PURPOSE: Use = Use {
     plotted: true,
     // Built by its panel, on its own.
     partitioned: false,
+    coloured: false,
 };
 
 /// Counts are looked at this often.

@@ -3,11 +3,12 @@
 //! | map | source |
 //! |---|---|
 //! | sequential | Viridis (van der Walt & Smith 2015), from the crate `colorous` |
-//! | diverging | ours: two straight lines in OKLab (Ottosson 2020) from a light grey to a dark blue and a dark red |
+//! | from rest | ours: a straight line in OKLab (Ottosson 2020) from a light grey to a dark green |
+//! | diverging | ours: two such lines, to a dark blue and a dark red |
 //! | cyclic | ours: a circle of constant lightness and chroma in OKLab |
 //!
-//! Equal steps of value are equal steps of colour in all three. Grey in the middle of the diverging map is lighter than the
-//! dark window's floor and darker than the light one's. No map comes near the blue and the red that fingers wear: they are
+//! Equal steps of value are equal steps of colour in all of them. The grey is lighter than the dark window's floor and
+//! darker than the light one's. No map comes near the blue and the red that fingers wear: they are
 //! held apart by lightness and chroma (a test tells how far).
 
 use std::sync::OnceLock;
@@ -23,6 +24,8 @@ pub type Table = [[u8; 3]; ENTRIES];
 pub enum Map {
     /// From dark to light: for magnitudes.
     Sequential,
+    /// From light grey to dark green: for what is 0 nearly everywhere, so that relief reads best where nothing happens.
+    FromRest,
     /// Blue below the middle, red above it: for signed values.
     Diverging,
     /// The end is the beginning: for directions.
@@ -31,11 +34,16 @@ pub enum Map {
 
 impl Map {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Sequential, Self::Diverging, Self::Cyclic];
+    pub const ALL: [Self; 4] = [
+        Self::Sequential,
+        Self::FromRest,
+        Self::Diverging,
+        Self::Cyclic,
+    ];
 
     /// Its colours. Entry i stands for i/255 of the range; of the cyclic map for i/256 of the circle.
     pub fn table(self) -> &'static Table {
-        static TABLES: [OnceLock<Table>; 3] = [OnceLock::new(), OnceLock::new(), OnceLock::new()];
+        static TABLES: [OnceLock<Table>; 4] = [const { OnceLock::new() }; 4];
         TABLES[self as usize].get_or_init(|| {
             std::array::from_fn(|i| {
                 let last = (ENTRIES - 1) as f64;
@@ -43,6 +51,7 @@ impl Map {
                     Self::Sequential => colorous::VIRIDIS
                         .eval_continuous(i as f64 / last)
                         .as_array(),
+                    Self::FromRest => between(MIDDLE, FAR, i as f64 / last),
                     Self::Diverging => diverging(i as f64 / last),
                     Self::Cyclic => cyclic(i as f64 / ENTRIES as f64),
                 }
@@ -72,6 +81,8 @@ impl Map {
 const MIDDLE: [f64; 3] = [0.86, 0.0, 0.0];
 const COMPRESSION: [f64; 3] = [0.38, 0.125, 257.0];
 const TENSION: [f64; 3] = [0.38, 0.140, 24.0];
+/// The other end of the map from rest.
+const FAR: [f64; 3] = [0.36, 0.100, 152.0];
 /// Lightness and chroma of the cyclic map: the largest circle that keeps inside sRGB and away from the fingers.
 const CIRCLE: [f64; 2] = [0.76, 0.105];
 /// Hue of direction 0, degrees: across the back is violet, along the spine green.
@@ -79,11 +90,14 @@ const FIRST_HUE: f64 = 315.0;
 
 fn diverging(share: f64) -> [u8; 3] {
     let signed = 2.0 * share - 1.0;
-    let end = lab(if signed < 0.0 { COMPRESSION } else { TENSION });
-    let (middle, part) = (lab(MIDDLE), signed.abs());
-    srgb(std::array::from_fn(|k| {
-        middle[k] + (end[k] - middle[k]) * part
-    }))
+    let end = if signed < 0.0 { COMPRESSION } else { TENSION };
+    between(MIDDLE, end, signed.abs())
+}
+
+/// On the straight line between two colours.
+fn between(from: [f64; 3], to: [f64; 3], part: f64) -> [u8; 3] {
+    let (from, to) = (lab(from), lab(to));
+    srgb(std::array::from_fn(|k| from[k] + (to[k] - from[k]) * part))
 }
 
 fn cyclic(share: f64) -> [u8; 3] {
@@ -218,7 +232,7 @@ mod tests {
 
     #[test]
     fn outside_the_range_the_end_is_shown_and_no_number_is_the_lower_end() {
-        for map in [Map::Sequential, Map::Diverging] {
+        for map in [Map::Sequential, Map::FromRest, Map::Diverging] {
             assert_eq!(map.at(-3.0), map.table()[0]);
             assert_eq!(map.at(3.0), map.table()[ENTRIES - 1]);
             assert_eq!(map.at(f64::NAN), map.table()[0]);

@@ -35,6 +35,12 @@ pub trait Panel: Send {
     }
     /// Draws it into all of `ui`.
     fn ui(&mut self, ui: &mut egui::Ui, cx: &PanelContext<'_>);
+    /// What it chose to remember from one run to the next, as text.
+    fn keep(&self) -> Option<String> {
+        None
+    }
+    /// Takes back what [`Panel::keep`] gave in an earlier run. What it does not understand it leaves.
+    fn recall(&mut self, _kept: &str) {}
     /// Frees what it holds only for being drawn. Called each frame while it is closed, with OpenGL current where there is
     /// one; does nothing when nothing is held.
     fn release(&mut self, _view: &View) {}

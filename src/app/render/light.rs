@@ -13,6 +13,8 @@ pub struct Light {
     fill: [f32; 3],
     rim: [f32; 3],
     up: [f32; 3],
+    /// Towards the eye.
+    back: Vec3,
 }
 
 impl Light {
@@ -43,6 +45,7 @@ impl Light {
             fill: from_camera(0.85, 0.05, 0.52),
             rim: from_camera(0.35, 0.65, -0.68),
             up: from_camera(0.0, 1.0, 0.0),
+            back: b.back,
         }
     }
 
@@ -59,6 +62,22 @@ impl Light {
     /// Sets the matrix only.
     pub fn set_matrix(&self, program: &Bound<'_>) {
         program.mat4("u_clip_from_subject", &self.clip_from_subject);
+    }
+
+    /// Light on skin that faces the eye, in no hollow and under no finger: the mean of the three colours, as `skin.frag`
+    /// sums it up.
+    pub fn flat(&self) -> f32 {
+        let back = unit_or(self.back, Vec3::Z);
+        let wrapped = |light: [f32; 3], w: f64| {
+            let cosine = back.dot(Vec3::from_array(light.map(f64::from)));
+            ((cosine + w) / (1.0 + w)).max(0.0).powi(2)
+        };
+        let sky = (0.2725 + 0.2475 + 0.2325) / 3.0;
+        let of_lights: f64 = [(0.58, 1.08, 0.31), (0.50, 1.03, 0.285), (0.46, 0.97, 0.265)]
+            .into_iter()
+            .map(|(w, key, fill)| key * wrapped(self.key, w) + fill * wrapped(self.fill, w))
+            .sum();
+        (sky + of_lights / 3.0) as f32
     }
 
     /// Direction to the key light, for tests.

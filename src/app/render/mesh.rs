@@ -1,5 +1,6 @@
 //! The skin as the graphics card wants it, on the processor's side: rounded to `f32`, packed, with a list of what changed.
 
+use super::values::Values;
 use crate::deform::Displacement;
 use crate::geom::Vec3;
 use crate::surface::Surface;
@@ -37,6 +38,8 @@ pub struct SkinMesh {
     shade: Option<Vec<Shade>>,
     shade_changed: bool,
     changed: Vec<u32>,
+    /// What it is coloured by; most of the time nothing.
+    values: Option<Values>,
 }
 
 impl SkinMesh {
@@ -56,6 +59,7 @@ impl SkinMesh {
             shade: None,
             shade_changed: false,
             changed: Vec::new(),
+            values: None,
         }
     }
 
@@ -105,9 +109,25 @@ impl SkinMesh {
         self.shade.is_some()
     }
 
+    /// Puts on what it is coloured by, or takes it off and frees it.
+    pub fn set_values(&mut self, values: Option<Values>) {
+        self.values = values;
+    }
+
+    /// What it is coloured by.
+    pub fn values(&self) -> Option<&Values> {
+        self.values.as_ref()
+    }
+
+    /// The same, to be written.
+    pub fn values_mut(&mut self) -> Option<&mut Values> {
+        self.values.as_mut()
+    }
+
     /// Whether something waits to be uploaded.
     pub fn has_changes(&self) -> bool {
-        self.shade_changed || !self.changed.is_empty()
+        let values_changed = self.values.as_ref().is_some_and(|v| !v.changed.is_empty());
+        self.shade_changed || !self.changed.is_empty() || values_changed
     }
 
     /// The baked values, if they changed since the last call.
@@ -124,24 +144,29 @@ impl SkinMesh {
 
     /// The runs of vertices that changed since the last call, in rising order, apart by more than [`MERGE_GAP`].
     pub(super) fn take_changed(&mut self, runs: &mut Vec<Range<u32>>) {
-        self.changed.sort_unstable();
-        runs.clear();
-        for &v in &self.changed {
-            match runs.last_mut() {
-                Some(run) if v < run.end => {}
-                Some(run) if v - run.end <= MERGE_GAP => run.end = v + 1,
-                _ => runs.push(v..v + 1),
-            }
-        }
-        self.changed.clear();
+        take_runs(&mut self.changed, runs);
     }
 
-    /// Memory held, bytes, without the surface.
+    /// Memory held, bytes, without the surface and what it is coloured by.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.vertices[..])
             + self.shade.as_ref().map_or(0, |s| size_of_val(&s[..]))
             + self.changed.capacity() * size_of::<u32>()
     }
+}
+
+/// Turns a list of changed vertices into the runs that cover it, and empties it.
+pub(super) fn take_runs(changed: &mut Vec<u32>, runs: &mut Vec<Range<u32>>) {
+    changed.sort_unstable();
+    runs.clear();
+    for &v in changed.iter() {
+        match runs.last_mut() {
+            Some(run) if v < run.end => {}
+            Some(run) if v - run.end <= MERGE_GAP => run.end = v + 1,
+            _ => runs.push(v..v + 1),
+        }
+    }
+    changed.clear();
 }
 
 fn packed(position_mm: Vec3, normal: Vec3, dent_mm: f64) -> SkinVertex {

@@ -5,6 +5,7 @@
 //! | [`mesh`] | the skin packed for the graphics card, and what of it changed |
 //! | [`shade`] | hollows, ridges and tone, baked per vertex |
 //! | `skin` | its buffers and drawing, wire overlay |
+//! | [`values`], [`tint`] | what colours it: a number per vertex, and how numbers become colours |
 //! | [`sphere`], [`arrow`], [`solid`] | fingers and forces |
 //! | [`layer`] | boxes, planes and marked triangles over the skin |
 //! | [`light`] | eye and lights |
@@ -27,6 +28,8 @@ mod skin;
 pub mod solid;
 pub mod sphere;
 mod target;
+pub mod tint;
+pub mod values;
 
 use crate::app::camera::Camera;
 use crate::app::theme::Theme;
@@ -41,6 +44,7 @@ use skin::{Skin, SkinPrograms};
 use solid::{SolidVertex, Solids};
 use sphere::Sphere;
 use target::Target;
+use tint::{Tint, Tinting};
 
 /// Colours of a picture, sRGB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,6 +58,9 @@ pub struct Palette {
     /// Edges of the wire overlay.
     pub wire: [u8; 3],
 }
+
+/// Rim of fingers over a coloured skin, sRGB: no map has it.
+const RIM: [f32; 3] = [1.0, 1.0, 1.0];
 
 impl Palette {
     /// Of a window's colours.
@@ -84,6 +91,8 @@ pub struct Picture {
     pub palette: Palette,
     /// Whether the skin itself is drawn.
     pub skin: bool,
+    /// How the values of the skin colour it; bare skin for `None`, or where it has none.
+    pub tint: Option<Tint>,
     /// Whether edges are drawn over the skin.
     pub wireframe: bool,
     /// Drawn with one sample per pixel: for pictures that the next one soon replaces.
@@ -115,6 +124,8 @@ pub struct Painted {
     pub drawn: bool,
     /// Vertices sent to the graphics card, without a first whole upload.
     pub uploaded_vertices: usize,
+    /// Numbers that colour the skin sent to the graphics card, without a first whole upload.
+    pub uploaded_values: usize,
     /// Layers and patches of the overlay sent to the graphics card.
     pub uploaded_layers: usize,
     /// Samples per pixel.
@@ -128,6 +139,8 @@ pub struct Renderer {
     present: Program,
     solid: Program,
     skin_programs: SkinPrograms,
+    /// Made when a quantity is first shown.
+    tinting: Option<Tinting>,
     empty: VertexArray,
     solid_array: VertexArray,
     solids: Solids,
@@ -183,6 +196,7 @@ impl Renderer {
                 include_str!("shaders/solid.frag"),
             )?,
             skin_programs: SkinPrograms::new(gl)?,
+            tinting: None,
             empty,
             solid_array,
             solids: Solids::default(),
@@ -242,7 +256,7 @@ impl Renderer {
         size_px: [u32; 2],
     ) -> Result<Painted, String> {
         let mut changed = self.shown.as_ref() != Some(picture) || mesh.has_changes();
-        let mut uploaded_vertices = 0;
+        let (mut uploaded_vertices, mut uploaded_values) = (0, 0);
         match &mut self.skin {
             Some(skin) if skin.mesh_id() == mesh.id() => {
                 if mesh.has_changes() {
@@ -256,6 +270,9 @@ impl Renderer {
                 self.skin = Some(Skin::new(gl, mesh)?);
                 changed = true;
             }
+        }
+        if let Some(skin) = &mut self.skin {
+            uploaded_values = skin.follow_values(gl, mesh, picture.tint.is_some())?;
         }
         let target = &mut self.targets[usize::from(picture.draft)];
         if target.as_ref().map(Target::size_px) != Some(size_px) {
@@ -272,6 +289,7 @@ impl Renderer {
         let mut painted = Painted {
             drawn: changed,
             uploaded_vertices,
+            uploaded_values,
             uploaded_layers: 0,
             samples: target.samples(),
         };
@@ -284,7 +302,14 @@ impl Renderer {
         let light = Light::of(picture);
         self.upload_solids(gl, picture);
         if let Some(skin) = &mut self.skin {
-            if picture.skin {
+            let tint = picture.tint.filter(|_| skin.has_values());
+            if let Some(tint) = tint.filter(|_| picture.skin) {
+                let tinting = match &mut self.tinting {
+                    Some(tinting) => tinting,
+                    None => self.tinting.insert(Tinting::new(gl)?),
+                };
+                skin.draw_tinted(gl, tinting, &tint, picture, &light);
+            } else if picture.skin {
                 skin.draw(gl, &self.skin_programs, picture, &light);
             }
             if picture.wireframe {
@@ -293,7 +318,7 @@ impl Renderer {
             let vertices = (skin.mesh_id(), skin.vertex_buffer());
             painted.uploaded_layers = self.layers.upload(gl, &picture.overlay, vertices)?;
         }
-        self.draw_solids(gl, &light);
+        self.draw_solids(gl, &light, picture.tint.is_some());
         // Last: it lets what lies behind show through.
         self.layers.draw(gl, &picture.overlay, &light);
         if let Some(target) = &self.targets[usize::from(picture.draft)] {
@@ -325,6 +350,8 @@ impl Renderer {
         for sphere in &picture.spheres {
             sphere.add_to(&mut self.solids);
         }
+        // Arrows are too thin for a rim.
+        self.solids.n_rimmed = self.solids.indices.len();
         for arrow in &picture.arrows {
             arrow.add_to(&mut self.solids);
         }
@@ -346,24 +373,30 @@ impl Renderer {
         }
     }
 
-    fn draw_solids(&self, gl: &glow::Context, light: &Light) {
+    fn draw_solids(&self, gl: &glow::Context, light: &Light, rimmed: bool) {
         if self.solids.indices.is_empty() {
             return;
         }
         let program = self.solid.bind(gl);
         light.set(&program);
+        program.vec3("u_rim_color", RIM);
+        let n_rimmed = if rimmed { self.solids.n_rimmed } else { 0 };
+        let parts = [
+            (0..n_rimmed, 1.0),
+            (n_rimmed..self.solids.indices.len(), 0.0),
+        ];
         // SAFETY: the context is current and every index was made with its vertex.
         unsafe {
             gl.enable(glow::DEPTH_TEST);
             gl.depth_func(glow::LESS);
             gl.disable(glow::BLEND);
             gl.bind_vertex_array(Some(self.solid_array.vao));
-            gl.draw_elements(
-                glow::TRIANGLES,
-                self.solids.indices.len() as i32,
-                glow::UNSIGNED_INT,
-                0,
-            );
+            for (part, rim) in parts.into_iter().filter(|(part, _)| !part.is_empty()) {
+                program.float("u_rimmed", rim);
+                let from = (part.start * size_of::<u32>()) as i32;
+                let n = part.len() as i32;
+                gl.draw_elements(glow::TRIANGLES, n, glow::UNSIGNED_INT, from);
+            }
             gl.bind_vertex_array(None);
         }
     }
@@ -401,6 +434,9 @@ impl Renderer {
             program.delete(gl);
         }
         self.skin_programs.delete(gl);
+        if let Some(tinting) = self.tinting {
+            tinting.delete(gl);
+        }
     }
 }
 

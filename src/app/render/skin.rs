@@ -2,9 +2,10 @@
 #![allow(unsafe_code, reason = "OpenGL calls are unsafe by signature")] // OpenGL is a C interface; see `gl`.
 
 use super::Picture;
-use super::gl::{Program, VertexArray, attribute};
+use super::gl::{Bound, Program, VertexArray, attribute};
 use super::light::Light;
 use super::mesh::{PLAIN_SHADE, SkinMesh, SkinVertex, edges};
+use super::tint::{Tint, TintBuffer, Tinting};
 use eframe::glow::{self, HasContext as _};
 use std::ops::Range;
 
@@ -66,6 +67,8 @@ pub struct Skin {
     n_indices: i32,
     /// Made when the wire is first shown: most scenes never ask for it.
     wire: Option<(VertexArray, i32)>,
+    /// There only while a quantity is shown.
+    tint: Option<TintBuffer>,
     mean_edge_mm: f64,
     runs: Vec<Range<u32>>,
 }
@@ -90,7 +93,6 @@ impl Skin {
                 &plain
             }
         };
-        let stride = size_of::<SkinVertex>();
         // SAFETY: the context is current; array and buffers are its own and bound before attributes are declared.
         unsafe {
             gl.bind_vertex_array(Some(array.vao));
@@ -100,16 +102,13 @@ impl Skin {
                 bytemuck::cast_slice(mesh.vertices()),
                 glow::DYNAMIC_DRAW,
             );
-            attribute(gl, 0, 3, glow::FLOAT, stride, 0);
-            attribute(gl, 1, 4, glow::SHORT, stride, 12);
             gl.bind_buffer(glow::ARRAY_BUFFER, Some(array.buffers[SHADE]));
             gl.buffer_data_u8_slice(
                 glow::ARRAY_BUFFER,
                 bytemuck::cast_slice(shade),
                 glow::STATIC_DRAW,
             );
-            attribute(gl, 2, 4, glow::UNSIGNED_BYTE, 4, 0);
-            gl.bind_buffer(glow::ELEMENT_ARRAY_BUFFER, Some(array.buffers[TRIANGLES]));
+            declare(gl, &array.buffers);
             gl.buffer_data_u8_slice(
                 glow::ELEMENT_ARRAY_BUFFER,
                 bytemuck::cast_slice(surface.triangles()),
@@ -125,6 +124,7 @@ impl Skin {
             array,
             n_indices,
             wire: None,
+            tint: None,
             mean_edge_mm: mean_edge_mm(&surface),
             runs,
         })
@@ -166,6 +166,67 @@ impl Skin {
         self.runs.iter().map(|run| run.len()).sum()
     }
 
+    /// Follows the values that colour it: uploads them whole when they are new, else what changed; frees them where
+    /// `shown` is false or there are none. Returns how many numbers went up besides a first whole upload.
+    ///
+    /// # Errors
+    /// The driver is out of handles.
+    pub fn follow_values(
+        &mut self,
+        gl: &glow::Context,
+        mesh: &mut SkinMesh,
+        shown: bool,
+    ) -> Result<usize, String> {
+        let values = mesh.values_mut().filter(|_| shown);
+        let held = self.tint.take();
+        let Some(values) = values else {
+            if let Some(held) = held {
+                held.delete(gl);
+            }
+            return Ok(0);
+        };
+        match held {
+            Some(held) if held.is_of(values) => {
+                let uploaded = held.upload_changes(gl, values, &mut self.runs);
+                self.tint = Some(held);
+                Ok(uploaded)
+            }
+            other => {
+                if let Some(other) = other {
+                    other.delete(gl);
+                }
+                let buffers = &self.array.buffers;
+                self.tint = Some(TintBuffer::new(gl, values, |gl| declare(gl, buffers))?);
+                Ok(0)
+            }
+        }
+    }
+
+    /// Whether there are values to colour it by.
+    pub fn has_values(&self) -> bool {
+        self.tint.is_some()
+    }
+
+    /// Draws the surface coloured by its values on the bound framebuffer; nothing without any.
+    pub fn draw_tinted(
+        &self,
+        gl: &glow::Context,
+        tinting: &mut Tinting,
+        tint: &Tint,
+        picture: &Picture,
+        light: &Light,
+    ) {
+        let Some(buffer) = &self.tint else { return };
+        let program = tinting.bind(gl, tint);
+        light.set(&program);
+        program.float("u_flat", light.flat());
+        set_fingers(&program, picture);
+        buffer.set_constant(gl);
+        self.draw_triangles(gl, &buffer.array);
+        // SAFETY: the context is current.
+        unsafe { gl.bind_texture(glow::TEXTURE_2D, None) };
+    }
+
     /// Draws the shaded surface on the bound framebuffer.
     pub fn draw(
         &self,
@@ -186,20 +247,17 @@ impl Skin {
         program.vec3("u_albedo", SKIN_ALBEDO);
         program.float("u_exposure", if dark { 0.90 } else { 1.0 });
         program.float("u_pores", pores);
-        let fingers: Vec<[f32; 4]> = picture
-            .spheres
-            .iter()
-            .take(4)
-            .map(|s| s.centre_mm.extend(s.radius_mm).to_array().map(|x| x as f32))
-            .collect();
-        program.vec4s("u_fingers", &fingers);
-        program.int("u_n_fingers", fingers.len() as i32);
+        set_fingers(&program, picture);
+        self.draw_triangles(gl, &self.array);
+    }
+
+    fn draw_triangles(&self, gl: &glow::Context, array: &VertexArray) {
         // SAFETY: the context is current and every index lies within the vertex buffer (a `Surface` guarantees it).
         unsafe {
             gl.disable(glow::BLEND);
             gl.enable(glow::DEPTH_TEST);
             gl.depth_func(glow::LESS);
-            gl.bind_vertex_array(Some(self.array.vao));
+            gl.bind_vertex_array(Some(array.vao));
             gl.draw_elements(glow::TRIANGLES, self.n_indices, glow::UNSIGNED_INT, 0);
             gl.bind_vertex_array(None);
         }
@@ -273,7 +331,37 @@ impl Skin {
         if let Some((wire, _)) = self.wire {
             wire.delete(gl);
         }
+        if let Some(tint) = self.tint {
+            tint.delete(gl);
+        }
     }
+}
+
+/// Binds a skin's buffers and declares its attributes in the bound vertex array.
+fn declare(gl: &glow::Context, buffers: &[glow::Buffer]) {
+    let stride = size_of::<SkinVertex>();
+    // SAFETY: the context is current and the caller has bound a vertex array of it; buffers are bound before attributes are
+    // declared.
+    unsafe {
+        gl.bind_buffer(glow::ARRAY_BUFFER, Some(buffers[VERTICES]));
+        attribute(gl, 0, 3, glow::FLOAT, stride, 0);
+        attribute(gl, 1, 4, glow::SHORT, stride, 12);
+        gl.bind_buffer(glow::ARRAY_BUFFER, Some(buffers[SHADE]));
+        attribute(gl, 2, 4, glow::UNSIGNED_BYTE, 4, 0);
+        gl.bind_buffer(glow::ELEMENT_ARRAY_BUFFER, Some(buffers[TRIANGLES]));
+    }
+}
+
+/// Tells a skin's program where the fingers are that shade it.
+fn set_fingers(program: &Bound<'_>, picture: &Picture) {
+    let fingers: Vec<[f32; 4]> = picture
+        .spheres
+        .iter()
+        .take(4)
+        .map(|s| s.centre_mm.extend(s.radius_mm).to_array().map(|x| x as f32))
+        .collect();
+    program.vec4s("u_fingers", &fingers);
+    program.int("u_n_fingers", fingers.len() as i32);
 }
 
 /// Mean edge length from the mean triangle area, as if all were equilateral, mm.

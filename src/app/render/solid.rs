@@ -27,6 +27,8 @@ impl SolidVertex {
 pub struct Solids {
     pub(super) vertices: Vec<SolidVertex>,
     pub(super) indices: Vec<u32>,
+    /// How many of the indices, from the first, get a rim over a coloured skin.
+    pub(super) n_rimmed: usize,
 }
 
 impl Solids {
@@ -34,6 +36,7 @@ impl Solids {
     pub fn clear(&mut self) {
         self.vertices.clear();
         self.indices.clear();
+        self.n_rimmed = 0;
     }
 
     /// Adds a vertex and returns its index.

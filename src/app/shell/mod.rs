@@ -16,7 +16,7 @@ use super::panels::{self, PanelContext};
 use super::state::{FrameTiming, Parts, View};
 use super::study::SharedStudy;
 use super::theme::Theme;
-use crate::scenario::Use;
+use crate::scenario::{Item, Use};
 use egui_material_icons::icons as icon;
 use frames::FrameMeter;
 use palette::Palette;
@@ -74,6 +74,7 @@ impl Shared {
             recorded: view.recorder.recording.is_some(),
             plotted: chrome.plotted,
             partitioned: chrome.partitioned,
+            coloured: view.parts.has(Item::SurfaceColour),
         };
         view
     }
@@ -101,6 +102,8 @@ pub struct Start {
     pub dark: Option<bool>,
     /// A panel to bring to the front.
     pub panel: Option<String>,
+    /// What panels take as if they had chosen it in an earlier run: key and text.
+    pub recall: Vec<(String, String)>,
 }
 
 /// The workbench as eframe runs it.
@@ -120,6 +123,11 @@ pub struct Workbench {
 const LAYOUT_KEY: &str = "layout";
 const DARK_KEY: &str = "dark";
 
+/// Where what a panel chose to remember is stored.
+fn kept_key(panel: &str) -> String {
+    format!("panel.{panel}")
+}
+
 impl Workbench {
     /// A workbench in a window that is about to open.
     pub fn new(cc: &eframe::CreationContext<'_>, start: Start) -> Self {
@@ -136,7 +144,16 @@ impl Workbench {
             let ctx = ctx.clone();
             Arc::new(move || ctx.request_repaint_of(egui::ViewportId::ROOT))
         };
-        let panels = dock::slots(panels::all());
+        let mut listed = panels::all();
+        for panel in &mut listed {
+            let key = panel.key();
+            let kept = stored(&kept_key(key));
+            let chosen = start.recall.iter().filter(|(of, _)| of == key);
+            for kept in kept.iter().chain(chosen.map(|(_, text)| text)) {
+                panel.recall(kept);
+            }
+        }
+        let panels = dock::slots(listed);
         let mut layout = cc
             .storage
             .and_then(|s| eframe::get_value::<Layout>(s, LAYOUT_KEY))
@@ -309,6 +326,12 @@ impl eframe::App for Workbench {
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         eframe::set_value(storage, LAYOUT_KEY, &self.layout);
         storage.set_string(DARK_KEY, self.dark.to_string());
+        for slot in self.shared.panels.iter() {
+            let panel = slot.panel.lock().unwrap_or_else(PoisonError::into_inner);
+            if let Some(kept) = panel.keep() {
+                storage.set_string(&kept_key(slot.key), kept);
+            }
+        }
     }
 
     fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {

@@ -10,6 +10,7 @@
 //! | W S, + − | depth in steps; with Shift in fine steps |
 //! | arrows, Enter | move the finger over the skin, press and let go |
 //! | P | parks the other finger in the press, or lifts it off |
+//! | C, Shift and C | the next surface colour, the one before |
 
 use super::palpate::{Input, SkinPoint, Targets};
 use super::{BackView, PanelContext};
@@ -158,6 +159,7 @@ impl BackView {
             ui.memory_mut(|m| m.set_focus_lock_filter(response.id, filter));
         }
         let (mut steps, mut across, mut park, mut press) = (0.0, Vec2::ZERO, false, false);
+        let mut colour = 0;
         let fine = ui.input(|i| {
             if !i.modifiers.command && !i.modifiers.alt {
                 let hits =
@@ -169,11 +171,17 @@ impl BackView {
                 );
                 park = i.key_pressed(Key::P);
                 press = i.key_pressed(Key::Enter);
+                let on = i.num_presses(Key::C) as isize;
+                colour = if i.modifiers.shift { -on } else { on };
             }
             i.modifiers.shift
         });
         input.depth_step_mm += steps * if fine { FINE_STEP_MM } else { DEPTH_STEP_MM };
         input.park |= park;
+        if colour != 0 {
+            let next = self.colour.beside(colour);
+            self.colour.choose(next, &self.stage);
+        }
         if !response.has_focus() {
             return;
         }

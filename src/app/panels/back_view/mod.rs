@@ -6,13 +6,16 @@
 //! | [`model`] | what of the fingers is shown, in mm, N and N/mm |
 //! | `gesture` | what a drag, wheel or key means |
 //! | `skin` | how the fingers deform the drawn skin |
+//! | `colour`, `ramp` | what colours it, and the legend of that |
 //! | `stage` | what the paint callback needs |
 //! | `overlay`, `toolbar` | numbers, scale, hint and buttons over the picture |
 
+mod colour;
 mod gesture;
 pub mod model;
 mod overlay;
 pub mod palpate;
+mod ramp;
 mod skin;
 mod stage;
 mod toolbar;
@@ -24,6 +27,7 @@ use crate::app::state::View;
 use crate::app::widgets::empty_ui;
 use crate::geom::{Vec2, Vec3};
 use crate::scenario::Item;
+use colour::SurfaceColour;
 use egui_material_icons::icons as icon;
 use gesture::Gesture;
 pub(super) use overlay::plate;
@@ -77,6 +81,9 @@ pub struct BackView {
     /// A finger has pressed: the hint has done its work.
     pressed_once: bool,
     options: Options,
+    colour: SurfaceColour,
+    /// Where the toolbar ended on the right when it was last drawn: it is as wide as its words.
+    toolbar_end: f32,
 }
 
 impl Panel for BackView {
@@ -98,11 +105,25 @@ impl Panel for BackView {
 
     fn release(&mut self, view: &View) {
         if self.skin.take().is_some() {
+            self.colour.forget(&self.stage);
             self.stage.lock().release(view.gl.as_deref());
-            for item in [Item::Deformation, Item::TangentialField, Item::GraphicsMesh] {
+            for item in [
+                Item::Deformation,
+                Item::TangentialField,
+                Item::GraphicsMesh,
+                Item::SurfaceColour,
+            ] {
                 view.parts.remove(item);
             }
         }
+    }
+
+    fn keep(&self) -> Option<String> {
+        Some(self.colour.kept())
+    }
+
+    fn recall(&mut self, kept: &str) {
+        self.colour.recall(kept);
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, cx: &PanelContext<'_>) {
@@ -133,15 +154,25 @@ impl Panel for BackView {
             );
             return;
         }
-        let rect = ui.available_rect_before_wrap();
+        let whole = ui.available_rect_before_wrap();
+        let (rect, strip) = match self.colour.quantity() {
+            Some(_) => ramp::split(whole),
+            None => (whole, None),
+        };
         let size = pixels::delta(rect.size());
         if size.x < 8.0 || size.y < 8.0 {
             return;
         }
         self.follow_scene(ui.ctx(), scene, cx.view.scene_generation);
         let Some(skin) = &mut self.skin else { return };
-        skin.update(&cx.view.fingers, &self.stage);
+        let moved = skin.update(&cx.view.fingers, &self.stage);
         skin.report(&cx.view.parts, &self.stage);
+        let ctx = ui.ctx().clone();
+        self.colour
+            .follow(scene, skin.displacement(), moved, &self.stage, || {
+                super::partition::wake(&ctx)
+            });
+        self.colour.report(&cx.view.parts, &self.stage);
 
         let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
         response.widget_info(|| {
@@ -160,6 +191,7 @@ impl Panel for BackView {
         self.pressed_once |= fingers.iter().any(|f| f.hip_mm.is_some());
         let tree = over_the_skin(ui.ctx(), cx.view);
         let mut picture = self.picture(cx, &fingers);
+        picture.tint = self.colour.tint();
         let mut legend = Vec::new();
         if let Some((overlay, entries)) = tree {
             (picture.overlay, legend) = (overlay, entries);
@@ -181,9 +213,14 @@ impl Panel for BackView {
                 hint: !self.pressed_once,
                 focus_ring: response.has_focus() && !self.focus_by_pointer,
                 options: self.options,
+                toolbar_end: self.toolbar_end,
             },
         );
         self.toolbar(ui, rect, cx, &fingers);
+        if let (Some(strip), Some(skin)) = (strip, &self.skin) {
+            let theme = &cx.view.theme;
+            ramp::show(ui, strip, theme, &mut self.colour, skin.displacement());
+        }
         super::legend::show(ui, rect, &cx.view.theme, &legend);
     }
 }
@@ -206,16 +243,19 @@ impl BackView {
         scene: &std::sync::Arc<crate::scenario::Scene>,
         generation: u64,
     ) {
-        let mut stage = self.stage.lock();
-        stage.poll_bake();
-        if self
-            .skin
-            .as_ref()
-            .is_some_and(|s| s.is_of(scene, generation))
-        {
-            return;
+        self.stage.lock().poll_bake();
+        if let Some(skin) = &mut self.skin {
+            if skin.is_of(scene, generation) {
+                return;
+            }
+            if skin.renew(scene, generation, &self.stage) {
+                // An edit of the scene that is open: one goes on looking and pressing.
+                self.colour.renew();
+                return;
+            }
         }
-        stage.set_surface(&scene.surface, ctx);
+        self.colour.forget(&self.stage);
+        self.stage.lock().set_surface(&scene.surface, ctx);
         self.skin = Some(DrawnSkin::new(scene.clone(), generation));
         self.palpation = Palpation::default();
         self.sent = Targets::default();
@@ -279,6 +319,7 @@ impl BackView {
             bounds,
             palette: Palette::of(theme),
             skin: true,
+            tint: None,
             wireframe: self.options.wireframe,
             draft: false,
             spheres: fingers

@@ -182,8 +182,6 @@ pub fn differ(a: &[Press], b: &[Press]) -> bool {
             && (a.depth_mm - b.depth_mm).abs() <= SEEN_MM
             && a.oval == b.oval
             && a.boundary_mm == b.boundary_mm
-            && a.oval == b.oval
-            && a.boundary_mm == b.boundary_mm
     };
     a.len() != b.len() || !a.iter().zip(b).all(|(a, b)| same(a, b))
 }

@@ -23,6 +23,8 @@ pub struct Shown<'a> {
     pub hint: bool,
     pub focus_ring: bool,
     pub options: Options,
+    /// Where the toolbar ends on the right.
+    pub toolbar_end: f32,
 }
 
 /// How to press, in a line: the longest that fits is shown.
@@ -187,12 +189,12 @@ fn numbers_ui(ui: &mut egui::Ui, rect: egui::Rect, shown: &Shown<'_>) {
         return;
     }
     let mut place = rect.shrink(8.0);
-    if place.width() < 620.0 {
+    let width: f64 = COLUMNS.iter().sum();
+    place.min.x = place.max.x - pixels::points(width) - 12.0;
+    if place.min.x < shown.toolbar_end + 8.0 {
         // Beside the toolbar there is no room: below it.
         place.min.y += 34.0;
     }
-    let width: f64 = COLUMNS.iter().sum();
-    place.min.x = place.max.x - pixels::points(width) - 12.0;
     let builder = egui::UiBuilder::new()
         .max_rect(place)
         .layout(egui::Layout::top_down(egui::Align::Min));

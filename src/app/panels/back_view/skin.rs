@@ -17,7 +17,8 @@ pub struct DrawnSkin {
     generation: u64,
     model: Box<dyn Model>,
     displacement: Displacement,
-    presses: Vec<Press>,
+    /// What the skin is deformed by; `None` where that is to be found anew.
+    presses: Option<Vec<Press>>,
     /// Cost of the last update that had something to do, µs.
     update_us: Option<f64>,
     /// Found when they are first shown.
@@ -30,7 +31,7 @@ impl DrawnSkin {
         Self {
             model: Box::new(Fsmd::new(scene.deform.clone())),
             displacement: Displacement::at_rest(&scene.surface),
-            presses: Vec::new(),
+            presses: Some(Vec::new()),
             update_us: None,
             marks: OnceCell::new(),
             scene,
@@ -41,6 +42,27 @@ impl DrawnSkin {
     /// Whether it belongs to this scene.
     pub fn is_of(&self, scene: &Arc<Scene>, generation: u64) -> bool {
         self.generation == generation && Arc::ptr_eq(&self.scene, scene)
+    }
+
+    /// Takes over an edited scene on the same surface, with the skin as it is. `false`, and nothing done, where it is
+    /// another scene or another surface.
+    pub fn renew(&mut self, scene: &Arc<Scene>, generation: u64, stage: &SharedStage) -> bool {
+        if self.generation != generation || !Arc::ptr_eq(&self.scene.surface, &scene.surface) {
+            return false;
+        }
+        if self.scene.deform != scene.deform {
+            // A model's displacement is its own: back to rest first, then the new one starts from there.
+            self.model
+                .update(&self.scene.surface, &[], &mut self.displacement);
+            if let Some(mesh) = &mut stage.lock().mesh {
+                mesh.update(&self.displacement);
+            }
+            self.model = Box::new(Fsmd::new(scene.deform.clone()));
+        }
+        self.scene = scene.clone();
+        // Everything is asked anew: footprints may have changed under a finger that rests.
+        self.presses = None;
+        true
     }
 
     /// The scene it belongs to.
@@ -58,20 +80,23 @@ impl DrawnSkin {
         self.marks.get_or_init(|| model::marks(&self.scene))
     }
 
-    /// Follows the fingers and hands what changed to the stage. Does nothing while they rest.
-    pub fn update(&mut self, fingers: &[FingerRecord], stage: &SharedStage) {
+    /// Follows the fingers and hands what changed to the stage; answers whether there was anything. Does nothing while they
+    /// rest.
+    pub fn update(&mut self, fingers: &[FingerRecord], stage: &SharedStage) -> bool {
         let presses = model::presses(fingers, &self.scene);
-        if !model::differ(&presses, &self.presses) {
-            return;
+        let before = self.presses.as_ref();
+        if before.is_some_and(|before| !model::differ(&presses, before)) {
+            return false;
         }
         let start = Instant::now();
         self.model
             .update(&self.scene.surface, &presses, &mut self.displacement);
         self.update_us = Some(start.elapsed().as_secs_f64() * 1e6);
-        self.presses = presses;
+        self.presses = Some(presses);
         if let Some(mesh) = &mut stage.lock().mesh {
             mesh.update(&self.displacement);
         }
+        true
     }
 
     /// Tells the ledger what the drawn skin holds and costs.

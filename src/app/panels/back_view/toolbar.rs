@@ -2,6 +2,7 @@
 
 use super::{BackView, PanelContext, model};
 use crate::app::camera::{Preset, Projection};
+use crate::app::colours::Quantity;
 use crate::app::render::pixels;
 use egui_material_icons::MaterialIcon;
 use egui_material_icons::icons as icon;
@@ -19,8 +20,8 @@ impl BackView {
         let builder = egui::UiBuilder::new()
             .max_rect(place)
             .layout(egui::Layout::left_to_right(egui::Align::Min));
-        ui.scope_builder(builder, |ui| {
-            super::overlay::plate(&cx.view.theme).show(ui, |ui| {
+        let end = ui.scope_builder(builder, |ui| {
+            let plate = super::overlay::plate(&cx.view.theme).show(ui, |ui| {
                 ui.spacing_mut().item_spacing.x = 2.0;
                 ui.spacing_mut().button_padding = egui::vec2(6.0, 2.0);
                 ui.horizontal_wrapped(|ui| {
@@ -34,6 +35,11 @@ impl BackView {
                         }
                     }
                     ui.separator();
+                    let scene = self.skin.as_ref().map(|skin| skin.scene());
+                    let remark = |quantity: &Quantity| quantity.why_same(scene?);
+                    if let Some(picked) = super::ramp::menu_ui(ui, &self.colour, remark) {
+                        self.colour.choose(picked, &self.stage);
+                    }
                     self.toggles(ui);
                     let live = cx.view.playback.is_none();
                     if live && cx.view.hands.len() > 1 {
@@ -55,7 +61,11 @@ impl BackView {
                     }
                 });
             });
+            plate.response.rect.right()
         });
+        if std::mem::replace(&mut self.toolbar_end, end.inner) != end.inner {
+            ui.ctx().request_repaint();
+        }
     }
 
     fn toggles(&mut self, ui: &mut egui::Ui) {

@@ -280,6 +280,7 @@ impl TreePicture {
             bounds: scene.surface.bounds(),
             palette: Palette::of(theme),
             skin: shown.settings.show.skin,
+            tint: None,
             wireframe: false,
             draft: false,
             spheres: spheres(cx.view, scene),

@@ -9,8 +9,18 @@ uniform vec3 u_key;          // directions to the lights
 uniform vec3 u_fill;
 uniform vec3 u_rim;
 uniform vec3 u_up;           // of the picture
+#ifdef TINT
+in vec2 v_value;
+uniform sampler2D u_table;
+uniform float u_low;
+uniform float u_per_width;
+uniform int u_cyclic;
+uniform float u_lines_per_unit;   // level lines, 0 for none
+uniform float u_flat;             // light on flat skin that faces the eye
+#else
 uniform vec3 u_albedo;
 uniform float u_exposure;
+#endif
 #ifdef PORES
 uniform float u_pores;       // strength of the finest relief
 #endif
@@ -54,7 +64,46 @@ vec3 srgb(vec3 c) {
     return max(0.662003 * a + 0.684122 * b - 0.323584 * sqrt(b) - 0.022541 * c, 0.0);
 }
 
+#ifdef TINT
+vec3 linear(vec3 c) {
+    return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c));
+}
+
+// The colour of the legend, with level lines.
+vec3 tint() {
+    float share;
+    float at;
+    if (u_cyclic == 1) {
+        vec2 on_circle = v_value + vec2(dot(v_value, v_value) < 1e-12 ? 1.0 : 0.0, 0.0);
+        share = fract(atan(on_circle.y, on_circle.x) / 6.2831853);
+        at = share + 0.5 / 256.0;
+    } else {
+        share = v_value.x;
+        at = (clamp(share, 0.0, 1.0) * 255.0 + 0.5) / 256.0;
+    }
+    vec3 color = linear(texture(u_table, vec2(at, 0.5)).rgb);
+    if (u_lines_per_unit > 0.0) {
+        float lines = u_lines_per_unit / max(u_per_width, 1e-30);
+        float level = share * lines + u_low * u_lines_per_unit;
+        // Lines per pixel; on a circle the smaller of two, so that its seam is no cliff.
+        float across = fwidth(share) * lines;
+        if (u_cyclic == 1) across = min(across, fwidth(fract(share + 0.5)) * lines);
+        float away = abs(fract(level - 0.5) - 0.5) / max(across, 1e-9);
+        // None on a plateau, where rounding alone would draw them, and none where they would run into one another.
+        float drawn = smoothstep(0.0005, 0.002, across) * (1.0 - smoothstep(0.2, 0.45, across));
+        float line = (1.0 - smoothstep(0.4, 1.3, away)) * drawn;
+        float bright = dot(color, vec3(0.2126, 0.7152, 0.0722));
+        color = mix(color, bright > 0.16 ? color * 0.35 : mix(color, vec3(1.0), 0.35), 0.8 * line);
+    }
+    return color;
+}
+#endif
+
 void main() {
+#ifdef TINT
+    // First: derivatives need every pixel.
+    vec3 tinted = tint();
+#endif
     vec3 n = normalize(v_normal);
     vec3 v = normalize(u_eye.xyz - v_position * u_eye.w);
     if (!gl_FrontFacing) {
@@ -94,16 +143,24 @@ void main() {
     // What little light there is in a hollow has met skin before: it is a warm brown, not grey.
     vec3 around = (1.0 - vec3(0.52, 0.68, 0.72) * hollow + 0.14 * ridge) * (1.0 - vec3(0.30, 0.40, 0.44) * dent) * open;
 
+#ifndef TINT
     // Blood shows a little more in some places than in others.
     float warm = v_shade.y - 0.5;
     float light = v_shade.z - 0.5;
     vec3 albedo = u_albedo * (1.0 + 0.04 * light) * (1.0 + vec3(0.01, -0.03, -0.03) * warm);
+#endif
 
     vec3 sky = mix(vec3(0.230, 0.195, 0.175), vec3(0.315, 0.300, 0.290), 0.5 + 0.5 * dot(n, u_up));
     vec3 diffuse = sky * around
         + wrapped(dot(n, u_key)) * vec3(1.08, 1.03, 0.97) * key_open
         + wrapped(dot(n, u_fill)) * vec3(0.31, 0.285, 0.265) * around;
 
+#ifdef TINT
+    // White light: only how much of it there is against flat skin, lighter parts held back so that colours keep their hue.
+    float lit = dot(diffuse, vec3(1.0 / 3.0)) / u_flat;
+    vec3 color = tinted;
+    color *= lit < 1.0 ? mix(1.0, lit, 0.9) : min(1.0 + 0.55 * (lit - 1.0), 1.3);
+#else
     float nh = max(dot(n, normalize(u_key + v)), 0.0);
     nh *= nh;
     nh *= nh;
@@ -114,6 +171,7 @@ void main() {
 
     vec3 color = albedo * diffuse + gloss + vec3(1.0, 0.93, 0.86) * edge;
     color *= u_exposure;
+#endif
     // Half a step of noise hides the bands of slow gradients.
     float grain = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
     o_color = vec4(srgb(color) + grain / 255.0, 1.0);

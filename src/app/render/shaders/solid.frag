@@ -7,6 +7,10 @@ uniform vec4 u_eye;
 uniform vec3 u_key;
 uniform vec3 u_fill;
 
+// Over a coloured skin fingers get a rim, so that their colour is not taken for one of its map.
+uniform float u_rimmed;
+uniform vec3 u_rim_color;
+
 out vec4 o_color;
 
 void main() {
@@ -17,5 +21,7 @@ void main() {
     float gloss = pow(clamp(dot(n, normalize(u_key + v)), 0.0, 1.0), 40.0);
     float edge = pow(1.0 - clamp(dot(n, v), 0.0, 1.0), 3.0);
     vec3 color = v_color.rgb * (0.50 + 0.50 * key + 0.10 * fill) + vec3(0.30 * gloss + 0.14 * edge);
-    o_color = vec4(clamp(color, 0.0, 1.0), v_color.a);
+    float facing = clamp(dot(n, v), 0.0, 1.0);
+    float rim = u_rimmed * (1.0 - smoothstep(0.30, 0.42, facing));
+    o_color = vec4(mix(clamp(color, 0.0, 1.0), u_rim_color, rim), v_color.a);
 }
