@@ -124,6 +124,16 @@ pub enum CurveError {
     },
 }
 
+impl CurveError {
+    /// Which point is at fault, counted from 0.
+    pub fn point(&self) -> Option<usize> {
+        match self {
+            Self::Place { index, .. } | Self::PointOutOfRange { index, .. } => Some(*index),
+            Self::TooFew { .. } | Self::TooFewPoints { .. } | Self::OutOfRange { .. } => None,
+        }
+    }
+}
+
 impl Curve {
     /// A curve through `samples` at equal steps of q from 0 to 1. [`Lookup::Exact`] is linear between them: there is no
     /// function to ask.

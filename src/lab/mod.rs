@@ -8,6 +8,7 @@
 
 mod clock;
 pub mod contact;
+pub mod deform;
 mod document;
 pub mod partition;
 mod report;
@@ -32,6 +33,9 @@ pub fn all() -> &'static [&'static dyn Experiment] {
         &partition::Threshold,
         &partition::BoxSize,
         &contact::Torture,
+        &deform::CurveArrays,
+        &deform::LocationRatio,
+        &deform::Curves,
     ]
 }
 
