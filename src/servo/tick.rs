@@ -74,17 +74,17 @@ pub fn tick(rig: &mut Rig, input: &TickInput, dt_s: f64) -> TickRecord {
             rig.last_force_n[i] = Vec3::ZERO;
         }
     }
-    let felt = if rig.is_fading() {
-        feel_on_the_way(rig, readings)
-    } else {
-        feel(&rig.scene, &mut rig.contacts, readings)
-    };
+    let on_the_way = rig.is_fading().then(|| feel_on_the_way(rig, readings));
     let mut out = TickRecord {
         n_fingers,
         ..TickRecord::default()
     };
-    for (i, contact) in felt.into_iter().enumerate().take(n_fingers) {
+    for i in 0..n_fingers {
         let reading = input.readings[i];
+        let contact = match &on_the_way {
+            Some(felt) => felt[i],
+            None => touch(&rig.scene, &mut rig.contacts[i], &reading),
+        };
         let gate = Gate {
             enabled: input.force_enabled,
             late: input.late,
