@@ -9,11 +9,13 @@
 //! | [`stiffness`] | the stiffness map: N/mm |
 //! | [`ellipse`] | the ellipse map: how far and which way a drag carries the skin (Ji 2008, 5.1–5.3) |
 //! | [`bone`] | how deep bone lies under the skin (Ji 2008, future work 1) |
+//! | [`appendix`] | the measured ellipses of appendix C, their means and the seven keys |
 //! | [`fit`] | the functions that a stiffness map may choose from, one file each |
 //! | [`gri`] | Gaussian radial interpolation (Ji 2008, 5.2), as published and corrected: for ellipses, and one of the fits |
 //!
 //! Values are the same bits on every machine and for any number of threads.
 
+pub mod appendix;
 pub mod bone;
 pub mod ellipse;
 mod error;

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::geom::Vec2;
 use crate::maps::{MapError, on_the_map, places};
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::RangeInclusive;
 
 /// Keys closer than this are at one place, mm.
@@ -63,6 +63,26 @@ impl EllipseKey {
         if self.half_minor_mm > self.half_major_mm {
             std::mem::swap(&mut self.half_minor_mm, &mut self.half_major_mm);
             self.angle_rad = axial(self.angle_rad + FRAC_PI_2);
+        }
+        self
+    }
+
+    /// The same key on the other side of the spine (x = 0): place, direction and boundary mirrored, the name kept.
+    ///
+    /// An odd number of radii has none straight opposite: each is then the mean of the two on either side.
+    #[must_use]
+    pub fn mirrored(mut self) -> Self {
+        self.at.x = -self.at.x;
+        self.angle_rad = axial(PI - self.angle_rad);
+        if let Some(radii) = &mut self.boundary_mm
+            && !radii.is_empty()
+        {
+            let n = radii.len();
+            let from = radii.clone();
+            for (i, radius) in radii.iter_mut().enumerate() {
+                let (left, right) = ((n / 2 + n - i) % n, (n.div_ceil(2) + n - i) % n);
+                *radius = 0.5 * (from[left] + from[right]);
+            }
         }
         self
     }
