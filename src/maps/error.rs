@@ -82,6 +82,8 @@ pub enum MapError {
     /// A value of an ellipse key, or a setting of the ellipse map, is not allowed.
     #[error("{of}: {field} is {value}; {allowed}")]
     Ellipse {
+        /// Which key, counted from 1; `None` for a setting of the map.
+        key: Option<usize>,
         /// Which key, by number and name, or `ellipse map`.
         of: String,
         /// Which of its values, by the name it has in a scenario.
@@ -94,12 +96,29 @@ pub enum MapError {
     /// One place, two ellipses.
     #[error(
         "{} and {} are both at ({}, {}) mm but state different ellipses; keep one of them",
-        keys[0], keys[1], at.x, at.y
+        names[0], names[1], at.x, at.y
     )]
     EllipseConflict {
-        /// Which keys, by number and name.
-        keys: [String; 2],
+        /// Which keys.
+        keys: [usize; 2],
+        /// The same by number and name.
+        names: [String; 2],
         /// The place of the first, mm.
         at: Vec2,
     },
+}
+
+impl MapError {
+    /// The key to blame, counted from 1: of two, the later one.
+    pub fn key(&self) -> Option<usize> {
+        match self {
+            Self::Place { key, .. } | Self::Value { key, .. } => Some(*key),
+            Self::Conflict { keys, .. } | Self::EllipseConflict { keys, .. } => Some(keys[1]),
+            Self::Ellipse { key, .. } => *key,
+            Self::NoKeys
+            | Self::TooManyKeys { .. }
+            | Self::Unsolved { .. }
+            | Self::Stroke { .. } => None,
+        }
+    }
 }

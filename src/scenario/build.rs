@@ -197,8 +197,8 @@ pub fn rebuild(old: &Scene, scenario: Arc<Scenario>, purpose: Use) -> Result<Sce
         ledger.carry(item, &old.ledger);
     }
     let was = &old.scenario;
-    let same_stiffness = (&was.stiffness_keys, was.stiffness_fit)
-        == (&scenario.stiffness_keys, scenario.stiffness_fit);
+    let stated = |s: &Scenario| (s.stiffness_keys.clone(), s.stiffness_fit, s.strokes.clone());
+    let same_stiffness = stated(was) == stated(&scenario);
     let (map, felt) = if same_stiffness {
         ledger.carry(Item::StiffnessField, &old.ledger);
         (Arc::clone(&old.stiffness), old.touch.stiffness.clone())
@@ -254,7 +254,8 @@ fn stiffness(
     ledger: &mut Ledger,
 ) -> Result<(Arc<StiffnessMap>, Stiffness), BuildError> {
     let started = Instant::now();
-    let map = StiffnessMap::new(scenario.stiffness_keys.clone(), scenario.stiffness_fit)
+    let map = scenario
+        .stiffness_map()
         .map_err(|e| BuildError(e.to_string()))?;
     let felt = match map.uniform() {
         Some(k) if !needs.has(Item::StiffnessField) => Stiffness::Uniform(k),

@@ -3,10 +3,10 @@
 use super::check::Check;
 use super::deformation::DeformationTable;
 use super::feel::{ContactTable, ForceTable};
+use super::maps::{EllipseTable, StiffnessTable};
 use crate::contact::{Choices, Friction, published};
 use crate::deform::models::fsmd;
-use crate::geom::Vec2;
-use crate::maps::{Fit, StiffnessKey};
+use crate::maps::{EllipseKey, EllipseSettings, Fit, StiffnessKey, Stroke};
 use serde::Deserialize;
 use std::ops::RangeInclusive;
 use std::path::{Component, Path, PathBuf};
@@ -45,6 +45,10 @@ pub struct Scenario {
     pub stiffness_keys: Vec<StiffnessKey>,
     /// The fit through them.
     pub stiffness_fit: Fit,
+    /// Strokes over it, in order.
+    pub strokes: Vec<Stroke>,
+    /// Keys and settings of the ellipse map; absent: the basic circle everywhere.
+    pub ellipse: Option<(Vec<EllipseKey>, EllipseSettings)>,
     /// Absent: frictionless.
     pub friction: Option<Friction>,
     /// How the finger meets the surface, by name.
@@ -91,22 +95,6 @@ struct SurfaceTable {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct StiffnessTable {
-    fit: Option<Spanned<String>>,
-    constant_n_per_mm: Option<Spanned<f64>>,
-    key: Option<Spanned<Vec<KeyTable>>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct KeyTable {
-    x: Spanned<f64>,
-    y: Spanned<f64>,
-    stiffness_n_per_mm: Spanned<f64>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 struct FrictionTable {
     #[serde(rename = "static")]
     static_coefficient: Spanned<f64>,
@@ -114,15 +102,6 @@ struct FrictionTable {
     skin_looseness: Option<Spanned<f64>>,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct EllipseTable {
-    basic_radius_mm: Option<Spanned<f64>>,
-}
-
-/// Map coordinates allowed, mm: a hundred times a back, so that a mistaken unit is noticed.
-const MAP_MM: RangeInclusive<f64> = -50_000.0..=50_000.0;
-const STIFFNESS_N_PER_MM: RangeInclusive<f64> = 0.001..=10_000.0;
 const TRIANGLES: RangeInclusive<i64> = 200..=4_000_000;
 
 impl Scenario {
@@ -152,17 +131,26 @@ impl Scenario {
             .map(|t| check.friction(t))
             .transpose()?;
         let mut deform = check.deformation(file.deformation.as_ref(), friction.is_some())?;
-        if let Some(radius) = (file.ellipse.as_ref()).and_then(|t| t.basic_radius_mm.as_ref()) {
-            let radius_mm = check.number("basic_radius_mm", radius, 1.0..=1000.0)?;
+        let surface = check.surface(&file.surface)?;
+        let on_back = matches!(surface, SurfaceChoice::BuiltinBack { .. });
+        let ellipse = file
+            .ellipse
+            .as_ref()
+            .map(|t| check.ellipse(t, on_back))
+            .transpose()?;
+        if let Some((_, settings)) = &ellipse {
+            let radius_mm = settings.basic_radius_mm;
             (deform.half_major_mm, deform.half_minor_mm) = (radius_mm, radius_mm);
         }
-        let (stiffness_keys, stiffness_fit) = check.stiffness(&file.stiffness)?;
+        let stiffness = check.stiffness(&file.stiffness)?;
         Ok(Self {
             name: name.to_owned(),
             description: file.description.trim().to_owned(),
-            surface: check.surface(&file.surface)?,
-            stiffness_keys,
-            stiffness_fit,
+            surface,
+            stiffness_keys: stiffness.keys,
+            stiffness_fit: stiffness.fit,
+            strokes: stiffness.strokes,
+            ellipse,
             friction,
             published: (file.contact.as_ref()).map_or(Ok(None), |t| check.published(t))?,
             choices: check.choices(file.force.as_ref(), file.contact.as_ref())?,
@@ -250,59 +238,6 @@ impl Check<'_> {
         }
     }
 
-    fn stiffness(
-        &self,
-        table: &Spanned<StiffnessTable>,
-    ) -> Result<(Vec<StiffnessKey>, Fit), ScenarioError> {
-        let t = table.get_ref();
-        let fit = match &t.fit {
-            None => Fit::default(),
-            Some(name) => {
-                let names: Vec<_> = Fit::all().iter().map(|f| (f.name(), *f)).collect();
-                self.choice("fit", name, &names)?
-            }
-        };
-        let keys = match (&t.constant_n_per_mm, &t.key) {
-            (Some(k), None) => {
-                let stiffness_n_per_mm = self.number("constant_n_per_mm", k, STIFFNESS_N_PER_MM)?;
-                vec![StiffnessKey {
-                    at: Vec2::ZERO,
-                    stiffness_n_per_mm,
-                }]
-            }
-            (None, Some(keys)) if !keys.get_ref().is_empty() => keys
-                .get_ref()
-                .iter()
-                .map(|k| self.stiffness_key(k))
-                .collect::<Result<_, _>>()?,
-            (None, Some(keys)) => {
-                return Err(self.fail(&keys.span(), "key = []; at least one key is needed"));
-            }
-            _ => {
-                let what = "[stiffness] needs either constant_n_per_mm or key = [ { x, y, stiffness_n_per_mm }, … ]";
-                return Err(self.fail(&table.span(), what));
-            }
-        };
-        // The map's own checks (two values at one place) are told with the table's line.
-        crate::maps::StiffnessMap::new(keys.clone(), fit)
-            .map_err(|e| self.fail(&table.span(), e.to_string()))?;
-        Ok((keys, fit))
-    }
-
-    fn stiffness_key(&self, k: &KeyTable) -> Result<StiffnessKey, ScenarioError> {
-        Ok(StiffnessKey {
-            at: Vec2::new(
-                self.number("x", &k.x, MAP_MM)?,
-                self.number("y", &k.y, MAP_MM)?,
-            ),
-            stiffness_n_per_mm: self.number(
-                "stiffness_n_per_mm",
-                &k.stiffness_n_per_mm,
-                STIFFNESS_N_PER_MM,
-            )?,
-        })
-    }
-
     fn friction(&self, t: &FrictionTable) -> Result<Friction, ScenarioError> {
         let static_coefficient = self.number("static", &t.static_coefficient, 0.0..=10.0)?;
         let dynamic_coefficient = self.number("dynamic", &t.dynamic, 0.0..=10.0)?;
@@ -327,6 +262,7 @@ impl Check<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::Vec2;
     use proptest::prelude::*;
 
     const GOOD: &str = r#"format = 1

@@ -6,9 +6,11 @@
 mod build;
 mod check;
 mod deformation;
+pub mod edit;
 mod feel;
 mod file;
 mod library;
+mod maps;
 mod needs;
 
 pub use build::{BuildError, Scene, build, rebuild};

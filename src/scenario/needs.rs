@@ -2,6 +2,7 @@
 
 use super::Scenario;
 use crate::contact::ForceModel;
+use crate::maps::Fit;
 
 /// What is going on beside the scene itself: it decides what else must exist.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -125,16 +126,16 @@ impl Item {
                 "[contact]",
                 "the production engine feels the surface",
             ),
+            Self::StiffnessField if !scenario.strokes.is_empty() => Needed("strokes"),
             Self::StiffnessField => {
-                let first = scenario
-                    .stiffness_keys
-                    .first()
-                    .map(|k| k.stiffness_n_per_mm);
-                let varied = scenario
-                    .stiffness_keys
-                    .iter()
-                    .any(|k| Some(k.stiffness_n_per_mm) != first);
-                choose(varied, "stiffness keys", "stiffness is the same everywhere")
+                let mut keys = scenario.stiffness_keys.iter();
+                let first = keys.next().map(|k| k.stiffness_n_per_mm);
+                let varied = keys.any(|k| Some(k.stiffness_n_per_mm) != first);
+                choose(
+                    varied && scenario.stiffness_fit != Fit::Constant,
+                    "stiffness keys",
+                    "stiffness is the same everywhere",
+                )
             }
             Self::EllipseField => LeftOut("one circle for all places"),
             Self::Friction => choose(

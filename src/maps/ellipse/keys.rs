@@ -127,12 +127,13 @@ impl EllipseKey {
                 at: self.at,
             });
         }
-        let of = || self.label(number);
+        let of = || (Some(number), self.label(number));
         in_range(of, "half_major_mm", self.half_major_mm, &HALF_AXES_MM)?;
         in_range(of, "half_minor_mm", self.half_minor_mm, &HALF_AXES_MM)?;
         if self.half_minor_mm > self.half_major_mm {
             return Err(MapError::Ellipse {
-                of: of(),
+                key: Some(number),
+                of: self.label(number),
                 field: "half_minor_mm",
                 value: self.half_minor_mm,
                 allowed: format!("at most half_major_mm = {} is allowed", self.half_major_mm),
@@ -151,7 +152,8 @@ impl EllipseKey {
         if !BOUNDARY_RADII.contains(&radii.len()) {
             let (least, most) = (BOUNDARY_RADII.start(), BOUNDARY_RADII.end());
             return Err(MapError::Ellipse {
-                of: of(),
+                key: Some(number),
+                of: self.label(number),
                 field: "number of radii in boundary_mm",
                 value: radii.len() as f64,
                 allowed: format!("{least} to {most} are allowed"),
@@ -173,7 +175,7 @@ impl EllipseKey {
 }
 
 pub(super) fn check_settings(settings: &EllipseSettings) -> Result<(), MapError> {
-    let of = || "ellipse map".to_owned();
+    let of = || (None, "ellipse map".to_owned());
     in_range(
         of,
         "basic_radius_mm",
@@ -188,8 +190,11 @@ pub(super) fn check_settings(settings: &EllipseSettings) -> Result<(), MapError>
     )
 }
 
+/// Number of a key, and what it is called in messages.
+type Of = (Option<usize>, String);
+
 fn in_range(
-    of: impl Fn() -> String,
+    of: impl Fn() -> Of,
     field: &'static str,
     value: f64,
     allowed: &RangeInclusive<f64>,
@@ -199,7 +204,7 @@ fn in_range(
 }
 
 fn in_range_of(
-    of: impl Fn() -> String,
+    of: impl Fn() -> Of,
     field: &'static str,
     value: f64,
     holds: bool,
@@ -208,8 +213,10 @@ fn in_range_of(
     if holds {
         return Ok(());
     }
+    let (key, of) = of();
     Err(MapError::Ellipse {
-        of: of(),
+        key,
+        of,
         field,
         value,
         allowed: allowed.to_owned(),
@@ -223,6 +230,7 @@ pub(super) fn radii_of_boundaries(keys: &[EllipseKey]) -> Result<usize, MapError
         let n = key.boundary_mm.as_ref().map_or(0, Vec::len);
         if n_radii > 0 && n > 0 && n != n_radii {
             return Err(MapError::Ellipse {
+                key: Some(i + 1),
                 of: key.label(i + 1),
                 field: "number of radii in boundary_mm",
                 value: n as f64,
@@ -245,7 +253,8 @@ pub(super) fn one_per_place(
             return Ok(());
         }
         Err(MapError::EllipseConflict {
-            keys: [i, j].map(|k| keys[k].label(k + 1)),
+            keys: [i + 1, j + 1],
+            names: [i, j].map(|k| keys[k].label(k + 1)),
             at: keys[i].at,
         })
     })?;
