@@ -173,12 +173,12 @@ proptest! {
             let anchor = t.at([1.0 - u - v, u, v]);
             let Some(outline) = Ellipse::new(anchor, t.normal(), a, b, first.angle_rad) else { continue };
             search.search(&surface, &patches, &outline, start);
-            let order: Vec<u32> = search.vertices(&patches).collect();
+            let order: Vec<u32> = search.vertices().collect();
             let found: BTreeSet<u32> = order.iter().copied().collect();
             prop_assert_eq!(found.len(), order.len(), "no vertex twice");
             prop_assert_eq!(&found, &by_definition(&surface, &outline, start));
             search.search(&surface, &patches, &outline, start);
-            prop_assert!(search.vertices(&patches).eq(order), "the same order every time");
+            prop_assert!(search.vertices().eq(order), "the same order every time");
         }
     }
 }
@@ -204,7 +204,7 @@ fn a_footprint_smaller_than_its_triangle_finds_nothing_or_the_corner_across_the_
         let circle = Ellipse::new(centre, Vec3::Z, radius, radius, 0.0).unwrap();
         search.search(&skin, &patches, &circle, upper);
         search
-            .vertices(&patches)
+            .vertices()
             .map(|v| skin.positions()[v as usize])
             .collect::<Vec<_>>()
     };
@@ -257,7 +257,7 @@ fn a_hub_with_hundreds_of_spokes_hangs_together_with_all_of_them() {
     ] {
         let circle = Ellipse::new(centre, Vec3::Z, radius, radius, 0.0).unwrap();
         search.search(&skin, &patches, &circle, start);
-        let found: BTreeSet<u32> = search.vertices(&patches).collect();
+        let found: BTreeSet<u32> = search.vertices().collect();
         let expected = by_definition(&skin, &circle, start);
         assert_eq!(found, expected, "{centre} {radius}");
     }

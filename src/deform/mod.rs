@@ -4,10 +4,14 @@
 //! nothing of the others: [`footprint`] how far out a point lies (the ratio q), [`curve`] how much is left there (M(q)),
 //! [`RingSearch`] which vertices hang together with the finger.
 
+mod blocks;
 pub mod bones;
 mod displacement;
 pub mod footprint;
+mod marks;
 pub mod models;
+mod nearby;
+mod pairs;
 mod patches;
 mod ring;
 mod shading;

@@ -1,115 +1,153 @@
-//! The surface cut into small connected patches, so that a dent is found and filled patch by patch.
+//! The surface in blocks of 64 vertices, so that a dent is found and filled block by block.
 //!
-//! A dent is wide (tens of thousands of vertices on a fine mesh) and smooth: nearly all of its patches lie inside it as a
-//! whole. Such a patch needs one look at its box instead of one at each vertex, and its vertices lie together in memory.
-//! Only patches on the outline are walked vertex by vertex. What is found does not depend on how the surface was cut.
+//! Vertices are numbered along a space-filling curve, so that 64 in a row are a small patch of skin. A dent is wide (tens of
+//! thousands of vertices on a fine mesh) and smooth: nearly all of its patches lie inside it as a whole. Such a patch needs
+//! one look at its box instead of one at each vertex, and its vertices lie together in memory. What is found does not
+//! depend on how the surface was cut.
 
+use super::blocks::{BLOCK, Block, bits, blocks_of, place, vertex};
 use crate::geom::{Aabb, Vec3};
 use crate::surface::Surface;
 
-/// Most vertices a patch may have: one bit each in a word.
-pub(super) const PATCH: usize = 64;
+/// Points a patch and its halo may have in its rings, as these number them by a byte.
+pub(super) const NEARBY: usize = 256;
 
-/// Vertices a patch should have, so that most cells of the grid stay below [`PATCH`] and become one patch.
-const USUAL: f64 = 40.0;
-
-const NONE: u32 = u32::MAX;
+/// Corners of a ring that every vertex has a place for.
+pub(super) const CORNERS: usize = 6;
 
 /// The patches of one surface. Made once per surface: some 0.1 µs per vertex.
 #[derive(Clone, Debug, Default)]
 pub struct Patches {
     hash: [u8; 32],
-    /// Per vertex: patch · 64 + its number in the patch.
-    places: Vec<u32>,
+    n_vertices: usize,
+    positions: Vec<Block>,
     /// Per patch and one more, for its end.
     heads: Vec<Head>,
-    vertices: Vec<u32>,
+    parts: Vec<u64>,
+    beside: Vec<Beside>,
     halos: Vec<u32>,
-    /// Places of `halos`.
-    halo_places: Vec<u32>,
-    beside: Vec<u32>,
-    /// Per vertex in the order of the patches: corners of its ring.
-    ring_lengths: Vec<u8>,
-    ring_corners: Vec<u8>,
+    /// Per vertex of `halos`: its neighbours within the patch.
+    halo_adjacency: Vec<u64>,
+    adjacency: Vec<[u64; BLOCK]>,
+    rings: Vec<Rings>,
+    longer: Vec<Longer>,
 }
 
-/// All that a search asks of a patch, in one cache line.
+/// What a search asks of a patch first, and where its lists start.
 #[derive(Clone, Copy, Debug)]
 struct Head {
     bounds: Aabb,
-    /// Where its vertices, its halo, the patches beside it and its rings start.
-    vertices: u32,
-    halo: u32,
+    longest_edge_mm: f64,
+    without_ring: u64,
+    parts: u32,
     beside: u32,
-    rings: u32,
+    halo: u32,
+    longer: u32,
 }
 
-/// Points a patch and its halo may have, as rings number them by a byte.
-pub(super) const NEARBY: usize = 256;
+/// Another patch next to one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Beside {
+    pub block: u32,
+    /// Twice the place of its first vertex in the halo, and 1 where `theirs` hang together within it.
+    halo_and_part: u32,
+    /// The vertices of this patch that have an edge to that one.
+    pub mine: u64,
+    /// The vertices of that patch that have an edge to this one: so many in the halo.
+    pub theirs: u64,
+}
+
+impl Beside {
+    /// Whether `theirs` hang together within that patch.
+    #[inline]
+    pub fn is_one_part(&self) -> bool {
+        self.halo_and_part & 1 == 1
+    }
+
+    /// Where its vertices are in the halo.
+    #[inline]
+    pub fn in_halo(&self) -> std::ops::Range<usize> {
+        let from = (self.halo_and_part / 2) as usize;
+        from..from + self.theirs.count_ones() as usize
+    }
+}
+
+/// First six corners of the ring round each vertex of a patch. A shorter ring repeats its last one.
+pub(super) type Rings = [[u8; BLOCK]; CORNERS];
+
+/// Two more corners of the ring round a vertex with more than six, with its first and the one before.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Longer {
+    pub vertex: u8,
+    pub first: u8,
+    pub before: u8,
+    pub next: [u8; 2],
+}
 
 /// One patch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Patch<'a> {
-    /// Its vertices, connected among themselves.
-    pub vertices: &'a [u32],
-    /// The vertices of other patches next to them.
-    pub halo: &'a [u32],
-    halo_places: &'a [u32],
-    /// The patches of the halo, the one nearest in memory last.
-    pub beside: &'a [u32],
     /// Box round its vertices.
     pub bounds: &'a Aabb,
-    ring_lengths: &'a [u8],
-    ring_corners: &'a [u8],
+    /// Length of the longest edge at its vertices, mm.
+    pub longest_edge_mm: f64,
+    /// A word with the bits of all its vertices.
+    pub all: u64,
+    /// What hangs together by edges within the patch.
+    pub parts: &'a [u64],
+    pub beside: &'a [Beside],
+    /// The vertices of other patches next to its own.
+    pub halo: &'a [u32],
+    pub halo_adjacency: &'a [u64],
+    /// Per vertex: its neighbours within the patch.
+    pub adjacency: &'a [u64; BLOCK],
+    /// A ring is a closed polygon round the triangles of a vertex, counter-clockwise seen from outside. Its corners count
+    /// the vertices and then, from 64 on, the halo; on the rim of the surface the vertex itself is one of them.
+    pub rings: &'a Rings,
+    pub longer: &'a [Longer],
+    /// Number of the first of `longer` among those of all patches.
+    pub longer_from: usize,
+    /// The vertices without a ring: where several fans of triangles meet, or too many.
+    pub without_ring: u64,
 }
 
 impl Patch<'_> {
-    /// Patches and bits of the halo.
-    pub fn halo_places(&self) -> impl Iterator<Item = (u32, u64)> + use<'_> {
-        self.halo_places.iter().map(|&place| split(place))
+    /// What of `within` can be reached from `found` over edges within the patch and `within`.
+    #[inline]
+    pub fn reached(&self, within: u64, found: u64) -> u64 {
+        if within == self.all {
+            let met = self.parts.iter().filter(|&part| part & found != 0);
+            return met.fold(0, |reached, part| reached | part);
+        }
+        let (mut reached, mut done) = (found & within, 0);
+        while reached != done {
+            let new = reached & !done;
+            done = reached;
+            reached |= self.next_to(new) & within;
+        }
+        reached
     }
 
-    /// The vertex that a corner of a ring stands for.
-    pub fn near(&self, corner: u8) -> u32 {
-        let corner = corner as usize;
-        let inner = self.vertices.get(corner);
-        inner
-            .copied()
-            .unwrap_or_else(|| self.halo[corner - self.vertices.len()])
+    /// The neighbours of some vertices in a patch beside.
+    #[inline]
+    pub fn across(&self, beside: &Beside, vertices: u64) -> u64 {
+        if vertices & beside.mine == beside.mine {
+            return beside.theirs;
+        }
+        let mut met = 0;
+        for k in beside.in_halo() {
+            if self.halo_adjacency[k] & vertices != 0 {
+                met |= place(self.halo[k]).1;
+            }
+        }
+        met
     }
 
-    /// Patch and bit of a vertex of the halo.
-    pub fn halo_place(&self, i: usize) -> (u32, u64) {
-        split(self.halo_places[i])
+    /// The neighbours of some vertices within the patch.
+    #[inline]
+    pub fn next_to(&self, vertices: u64) -> u64 {
+        bits(vertices).fold(0, |met, i| met | self.adjacency[i])
     }
-
-    /// The rings round its vertices, in their order.
-    ///
-    /// A ring is a closed polygon round the triangles of a vertex, counter-clockwise seen from outside. Its corners count
-    /// through the vertices and then the halo; on the rim of the surface the vertex itself is one of them. Empty for a
-    /// vertex where several fans of triangles meet, or too many.
-    pub fn rings(&self) -> impl Iterator<Item = &'_ [u8]> {
-        let mut rest = self.ring_corners;
-        self.ring_lengths.iter().map(move |&n| {
-            let (ring, after) = rest.split_at(n as usize);
-            rest = after;
-            ring
-        })
-    }
-
-    /// Its vertices and then its halo.
-    pub fn nearby(&self) -> impl Iterator<Item = &u32> + Clone {
-        self.vertices.iter().chain(self.halo)
-    }
-
-    /// A word with the bits of all its vertices.
-    pub fn all(&self) -> u64 {
-        u64::MAX >> (PATCH - self.vertices.len())
-    }
-}
-
-fn split(place: u32) -> (u32, u64) {
-    (place / PATCH as u32, 1 << (place % PATCH as u32))
 }
 
 impl Patches {
@@ -117,23 +155,38 @@ impl Patches {
     pub fn new(surface: &Surface) -> Self {
         let mut patches = Self {
             hash: surface.hash(),
-            places: vec![NONE; surface.positions().len()],
+            n_vertices: surface.positions().len(),
+            positions: blocks_of(surface.positions(), Vec3::NAN),
             ..Self::default()
         };
-        patches.cut(surface);
-        patches.surround(surface);
-        patches.add_rings(surface);
+        let mut halo = Vec::new();
+        for p in 0..patches.len() as u32 {
+            patches.heads.push(patches.head(surface, p));
+            patches.surround(surface, p, &mut halo);
+            patches.add_rings(surface, p, &halo);
+        }
+        patches.heads.push(Head {
+            bounds: Aabb::EMPTY,
+            longest_edge_mm: 0.0,
+            ..patches.ends()
+        });
+        for i in 0..patches.beside.len() {
+            let Beside { block, theirs, .. } = patches.beside[i];
+            let parts = patches.patch(block).parts;
+            let one_part = parts.iter().any(|part| theirs & !part == 0);
+            patches.beside[i].halo_and_part |= u32::from(one_part);
+        }
         patches
     }
 
     /// Whether these are the patches of `surface`.
     pub fn are_of(&self, surface: &Surface) -> bool {
-        self.hash == surface.hash() && self.places.len() == surface.positions().len()
+        self.hash == surface.hash() && self.n_vertices == surface.positions().len()
     }
 
     /// Number of patches.
     pub fn len(&self) -> usize {
-        self.heads.len().saturating_sub(1)
+        self.positions.len()
     }
 
     /// Whether the surface has no vertex.
@@ -143,152 +196,195 @@ impl Patches {
 
     /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
-        let lists = [
-            &self.places,
-            &self.vertices,
-            &self.halos,
-            &self.halo_places,
-            &self.beside,
-        ];
-        lists.iter().map(|list| 4 * list.len()).sum::<usize>()
+        size_of_val(&self.positions[..])
             + size_of_val(&self.heads[..])
-            + self.ring_lengths.len()
-            + self.ring_corners.len()
+            + size_of_val(&self.parts[..])
+            + size_of_val(&self.beside[..])
+            + size_of_val(&self.halos[..])
+            + size_of_val(&self.halo_adjacency[..])
+            + size_of_val(&self.adjacency[..])
+            + size_of_val(&self.rings[..])
+            + size_of_val(&self.longer[..])
     }
 
-    /// Patch of a vertex, and its bit in the words of that patch.
+    /// Positions of the vertices of a patch at rest, mm; no numbers where it has fewer than 64.
     #[inline]
-    pub(super) fn place(&self, v: u32) -> (u32, u64) {
-        split(self.places[v as usize])
+    pub(super) fn positions(&self, p: u32) -> &Block {
+        &self.positions[p as usize]
+    }
+
+    /// A word with the bits of all vertices of a patch.
+    #[inline]
+    pub(super) fn all(&self, p: u32) -> u64 {
+        let n = self.n_vertices - (p as usize * BLOCK).min(self.n_vertices);
+        u64::MAX >> (BLOCK - n.clamp(1, BLOCK))
     }
 
     #[inline]
     pub(super) fn patch(&self, p: u32) -> Patch<'_> {
         let [head, next] = [p, p + 1].map(|p| &self.heads[p as usize]);
         Patch {
-            vertices: &self.vertices[head.vertices as usize..next.vertices as usize],
-            halo: &self.halos[head.halo as usize..next.halo as usize],
-            beside: &self.beside[head.beside as usize..next.beside as usize],
             bounds: &head.bounds,
-            ring_lengths: &self.ring_lengths[head.vertices as usize..next.vertices as usize],
-            ring_corners: &self.ring_corners[head.rings as usize..next.rings as usize],
-            halo_places: &self.halo_places[head.halo as usize..next.halo as usize],
+            longest_edge_mm: head.longest_edge_mm,
+            all: self.all(p),
+            parts: &self.parts[head.parts as usize..next.parts as usize],
+            beside: &self.beside[head.beside as usize..next.beside as usize],
+            halo: &self.halos[head.halo as usize..next.halo as usize],
+            halo_adjacency: &self.halo_adjacency[head.halo as usize..next.halo as usize],
+            adjacency: &self.adjacency[p as usize],
+            rings: &self.rings[p as usize],
+            longer: &self.longer[head.longer as usize..next.longer as usize],
+            longer_from: head.longer as usize,
+            without_ring: head.without_ring,
         }
     }
 
-    /// Fills cells of a grid over the adjacency: what hangs together in a cell is a patch, cut again where it is too many.
-    fn cut(&mut self, surface: &Surface) {
-        let cells = cells(surface);
-        let mut found = Vec::with_capacity(PATCH);
-        for seed in 0..surface.positions().len() as u32 {
-            if self.places[seed as usize] != NONE {
+    /// The vertices of patch `p` that are in a set, or next to one that is. `set` tells its bits in a patch.
+    #[inline]
+    pub(super) fn grown(&self, p: u32, set: impl Fn(u32) -> u64) -> u64 {
+        let patch = self.patch(p);
+        let own = set(p);
+        if own == patch.all {
+            return own;
+        }
+        let mut grown = own | patch.next_to(own);
+        for beside in patch.beside {
+            let theirs = set(beside.block) & beside.theirs;
+            if theirs == beside.theirs {
+                grown |= beside.mine;
+            } else if theirs != 0 {
+                for k in beside.in_halo() {
+                    if theirs & place(patch.halo[k]).1 != 0 {
+                        grown |= patch.halo_adjacency[k];
+                    }
+                }
+            }
+        }
+        grown
+    }
+
+    fn vertices(&self, p: u32) -> std::ops::Range<u32> {
+        let first = vertex(p, 0);
+        first..(first + BLOCK as u32).min(self.n_vertices as u32)
+    }
+
+    fn ends(&self) -> Head {
+        Head {
+            bounds: Aabb::EMPTY,
+            longest_edge_mm: 0.0,
+            without_ring: 0,
+            parts: self.parts.len() as u32,
+            beside: self.beside.len() as u32,
+            halo: self.halos.len() as u32,
+            longer: self.longer.len() as u32,
+        }
+    }
+
+    fn head(&self, surface: &Surface, p: u32) -> Head {
+        let at = |v: u32| surface.positions()[v as usize];
+        let edges = self.vertices(p).flat_map(|v| {
+            let to = surface.topology().neighbours(v).iter();
+            to.map(move |&n| at(v).distance_squared(at(n)))
+        });
+        Head {
+            longest_edge_mm: edges.fold(0.0, f64::max).sqrt(),
+            bounds: Aabb::of_points(self.vertices(p).map(at)),
+            ..self.ends()
+        }
+    }
+
+    /// Lists what hangs together in a patch, and what lies next to it; `halo` is left with the latter.
+    fn surround(&mut self, surface: &Surface, p: u32, halo: &mut Vec<u32>) {
+        halo.clear();
+        let mut adjacency = [0; BLOCK];
+        let mut beside: Vec<Beside> = Vec::new();
+        for v in self.vertices(p) {
+            let (_, mine) = place(v);
+            for &n in surface.topology().neighbours(v) {
+                let (block, theirs) = place(n);
+                if block == p {
+                    adjacency[v as usize % BLOCK] |= theirs;
+                    continue;
+                }
+                halo.push(n);
+                match beside.iter_mut().find(|b| b.block == block) {
+                    Some(known) => {
+                        known.mine |= mine;
+                        known.theirs |= theirs;
+                    }
+                    None => beside.push(Beside {
+                        block,
+                        halo_and_part: 0,
+                        mine,
+                        theirs,
+                    }),
+                }
+            }
+        }
+        halo.sort_unstable();
+        halo.dedup();
+        for beside in &mut beside {
+            let first = halo.partition_point(|&n| n < vertex(beside.block, 0));
+            beside.halo_and_part = 2 * first as u32;
+        }
+        for &n in halo.iter() {
+            let within = surface.topology().neighbours(n).iter();
+            let within = within.map(|&v| place(v)).filter(|(block, _)| *block == p);
+            self.halo_adjacency
+                .push(within.fold(0, |word, (_, bit)| word | bit));
+        }
+        // A search goes on with the last one first, and so runs through memory in strips.
+        beside.sort_by_key(|b| std::cmp::Reverse((b.block.abs_diff(p), b.block)));
+        self.adjacency.push(adjacency);
+        self.beside.extend_from_slice(&beside);
+        self.halos.extend_from_slice(halo);
+        let mut left = self.all(p);
+        while left != 0 {
+            let (mut part, mut grown) = (0, 1 << left.trailing_zeros());
+            while part != grown {
+                part = grown;
+                grown = bits(part).fold(part, |met, i| met | adjacency[i]);
+            }
+            self.parts.push(part);
+            left &= !part;
+        }
+    }
+
+    fn add_rings(&mut self, surface: &Surface, p: u32, halo: &[u32]) {
+        let number = |n: u32| {
+            let place = if n / BLOCK as u32 == p {
+                n as usize % BLOCK
+            } else {
+                BLOCK + halo.binary_search(&n).ok()?
+            };
+            u8::try_from(place).ok()
+        };
+        let mut rings = [[0; BLOCK]; CORNERS];
+        let (mut without_ring, mut ring) = (0, Vec::new());
+        for v in self.vertices(p) {
+            let (i, bit) = (v as usize % BLOCK, place(v).1);
+            ring.clear();
+            if !push_ring(surface, v, number, &mut ring) {
+                without_ring |= bit;
                 continue;
             }
-            let first = (self.heads.len() * PATCH) as u32;
-            found.clear();
-            found.push(seed);
-            self.places[seed as usize] = first;
-            let mut head = 0;
-            while let Some(&v) = found.get(head) {
-                head += 1;
-                for &n in surface.topology().neighbours(v) {
-                    if found.len() == PATCH {
-                        break;
-                    }
-                    let free = self.places[n as usize] == NONE;
-                    if free && cells[n as usize] == cells[seed as usize] {
-                        self.places[n as usize] = first;
-                        found.push(n);
-                    }
-                }
+            let last = ring[ring.len() - 1];
+            for (k, corners) in rings.iter_mut().enumerate() {
+                corners[i] = ring.get(k).copied().unwrap_or(last);
             }
-            found.sort_unstable();
-            for (number, &v) in found.iter().enumerate() {
-                self.places[v as usize] = first + number as u32;
+            for k in (CORNERS..ring.len()).step_by(2) {
+                self.longer.push(Longer {
+                    vertex: i as u8,
+                    first: ring[0],
+                    before: ring[k - 1],
+                    next: [ring[k], ring.get(k + 1).copied().unwrap_or(last)],
+                });
             }
-            let positions = found.iter().map(|&v| surface.positions()[v as usize]);
-            self.push_head(Aabb::of_points(positions));
-            self.vertices.extend_from_slice(&found);
         }
-        self.push_head(Aabb::EMPTY);
-    }
-
-    fn push_head(&mut self, bounds: Aabb) {
-        self.heads.push(Head {
-            bounds,
-            vertices: self.vertices.len() as u32,
-            halo: 0,
-            beside: 0,
-            rings: 0,
-        });
-    }
-
-    /// Lists what lies next to every patch.
-    fn surround(&mut self, surface: &Surface) {
-        let (mut halo, mut beside) = (Vec::new(), Vec::new());
-        for p in 0..self.len() as u32 {
-            halo.clear();
-            let [from, to] = [p, p + 1].map(|p| self.heads[p as usize].vertices as usize);
-            for &v in &self.vertices[from..to] {
-                let beyond = surface.topology().neighbours(v).iter();
-                halo.extend(beyond.filter(|&&n| self.place(n).0 != p));
-            }
-            halo.sort_unstable();
-            halo.dedup();
-            beside.clear();
-            beside.extend(halo.iter().map(|&n| self.place(n).0));
-            beside.sort_unstable();
-            beside.dedup();
-            // A search goes on with the last one first, and so runs through memory in strips.
-            beside.sort_by_key(|&q: &u32| std::cmp::Reverse(q.abs_diff(p)));
-            self.halos.extend_from_slice(&halo);
-            let places = halo.iter().map(|&v| self.places[v as usize]);
-            self.halo_places.extend(places);
-            self.beside.extend_from_slice(&beside);
-            let next = &mut self.heads[p as usize + 1];
-            next.halo = self.halos.len() as u32;
-            next.beside = self.beside.len() as u32;
+        self.rings.push(rings);
+        if let Some(head) = self.heads.last_mut() {
+            head.without_ring = without_ring;
         }
-    }
-
-    /// Number of the first vertex of a patch, counted in the order of the patches.
-    pub(super) fn first(&self, p: u32) -> usize {
-        self.heads[p as usize].vertices as usize
-    }
-
-    fn add_rings(&mut self, surface: &Surface) {
-        let (mut corners, mut lengths, mut ends) = (Vec::new(), Vec::new(), Vec::new());
-        for p in 0..self.len() as u32 {
-            let (vertices, halo) = self.patch_without_rings(p);
-            let number = |v: u32| {
-                let place = self.places[v as usize];
-                if place / PATCH as u32 == p {
-                    return u8::try_from(place % PATCH as u32).ok();
-                }
-                let number = halo.binary_search(&v).ok()?;
-                u8::try_from(vertices.len() + number).ok()
-            };
-            for &v in vertices {
-                let before = corners.len();
-                if !push_ring(surface, v, number, &mut corners) {
-                    corners.truncate(before);
-                }
-                lengths.push((corners.len() - before) as u8);
-            }
-            ends.push(corners.len() as u32);
-        }
-        for (head, end) in self.heads[1..].iter_mut().zip(ends) {
-            head.rings = end;
-        }
-        (self.ring_corners, self.ring_lengths) = (corners, lengths);
-    }
-
-    fn patch_without_rings(&self, p: u32) -> (&[u32], &[u32]) {
-        let [head, next] = [p, p + 1].map(|p| self.heads[p as usize]);
-        (
-            &self.vertices[head.vertices as usize..next.vertices as usize],
-            &self.halos[head.halo as usize..next.halo as usize],
-        )
     }
 }
 
@@ -297,13 +393,12 @@ fn push_ring(
     surface: &Surface,
     v: u32,
     number: impl Fn(u32) -> Option<u8>,
-    rings: &mut Vec<u8>,
+    ring: &mut Vec<u8>,
 ) -> bool {
     let neighbours = surface.topology().neighbours(v);
     let fan = surface.topology().triangles_of(v);
     let open = neighbours.len() == fan.len() + 1;
-    let corners = neighbours.len() + usize::from(open);
-    if fan.is_empty() || corners > u8::MAX as usize || (!open && neighbours.len() != fan.len()) {
+    if fan.is_empty() || (!open && neighbours.len() != fan.len()) {
         return false;
     }
     let one_fan = fan.iter().enumerate().all(|(i, &t)| {
@@ -317,32 +412,9 @@ fn push_ring(
     let itself = open.then_some(v);
     for n in itself.iter().chain(neighbours) {
         match number(*n) {
-            Some(number) => rings.push(number),
+            Some(number) => ring.push(number),
             None => return false,
         }
     }
     true
-}
-
-/// Cell of a cubic grid for every vertex, with some [`USUAL`] vertices to a cell.
-fn cells(surface: &Surface) -> Vec<[i32; 3]> {
-    let n = surface.positions().len().max(1) as f64;
-    let area: f64 = (0..surface.triangles().len() as u32)
-        .map(|t| surface.triangle(t).area_mm2())
-        .sum();
-    let edge_mm = (area / n * USUAL).sqrt();
-    let per_mm = if edge_mm > 0.0 { 1.0 / edge_mm } else { 1.0 };
-    let low = surface.bounds().min;
-    // Casting saturates: a cell far off is one of the outermost.
-    let cell = |p: &Vec3| ((*p - low) * per_mm).to_array().map(|c| c as i32);
-    surface.positions().iter().map(cell).collect()
-}
-
-/// Numbers of the bits set, ascending.
-pub(super) fn bits(mut word: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let i = word.trailing_zeros() as usize;
-        word &= word.wrapping_sub(1);
-        (i < 64).then_some(i)
-    })
 }

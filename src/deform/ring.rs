@@ -7,8 +7,9 @@
 //!
 //! Where a whole patch lies inside, the ring grows by the patch; elsewhere by the vertex. The result is the same.
 
+use super::blocks::{bits, place, vertex, word};
 use super::footprint::Outline;
-use super::patches::{NEARBY, Patches, bits};
+use super::patches::Patches;
 use crate::surface::{RIM, Surface};
 use std::collections::HashSet;
 
@@ -25,6 +26,8 @@ pub struct RingSearch {
     waiting: Vec<u32>,
     /// Triangles entered across an edge, not by a corner. Membership only: its order is never looked at.
     entered: HashSet<u32>,
+    /// Triangles to enter.
+    entering: Vec<u32>,
 }
 
 /// What a search knows of a patch. One bit per vertex.
@@ -34,18 +37,12 @@ struct Known {
     waiting: bool,
     /// Lies inside the outline.
     within: u64,
+    /// Lies outside, but so near that an edge there may reach in.
+    near: u64,
     /// Within, and met: found.
     found: u64,
     /// Found, and its neighbours met.
     done: u64,
-}
-
-/// What is known of a vertex of a patch or its halo while its neighbours are met.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Nearby {
-    Outside,
-    Unmet,
-    Met,
 }
 
 impl RingSearch {
@@ -57,27 +54,31 @@ impl RingSearch {
     /// Bits of the vertices found in patch `p`.
     #[inline]
     pub(super) fn inside(&self, p: u32) -> u64 {
+        self.of(p).map_or(0, |known| known.found)
+    }
+
+    /// Bits of the vertices of patch `p` that lie inside the outline, found or not. Only for a patch with a vertex found.
+    #[inline]
+    pub(super) fn within(&self, p: u32) -> u64 {
+        self.of(p).map_or(0, |known| known.within)
+    }
+
+    fn of(&self, p: u32) -> Option<&Known> {
         let known = &self.known[p as usize];
-        if known.generation == self.generation {
-            known.found
-        } else {
-            0
-        }
+        (known.generation == self.generation).then_some(known)
     }
 
     /// The vertices found, in an order that is the same every time.
-    pub fn vertices<'a>(&'a self, patches: &'a Patches) -> impl Iterator<Item = u32> + 'a {
-        self.found.iter().flat_map(|&p| {
-            let vertices = patches.patch(p).vertices;
-            bits(self.inside(p)).map(|i| vertices[i])
-        })
+    pub fn vertices(&self) -> impl Iterator<Item = u32> + '_ {
+        let found = self.found.iter();
+        found.flat_map(|&p| bits(self.inside(p)).map(move |i| vertex(p, i)))
     }
 
     /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
         size_of::<Known>() * self.known.capacity()
             + 8 * self.entered.capacity()
-            + 4 * (self.found.capacity() + self.waiting.capacity())
+            + 4 * (self.found.capacity() + self.waiting.capacity() + self.entering.capacity())
     }
 
     /// Finds the vertices inside `outline` that hang together with triangle `start`.
@@ -127,165 +128,140 @@ impl<O: Outline> Walk<'_, O> {
     fn known(&mut self, p: u32) -> &mut Known {
         let generation = self.search.generation;
         if self.search.known[p as usize].generation != generation {
+            let (within, near) = self.look(p);
             self.search.known[p as usize] = Known {
                 generation,
-                within: self.within(p),
+                within,
+                near,
                 ..Known::default()
             };
         }
         &mut self.search.known[p as usize]
     }
 
-    fn within(&self, p: u32) -> u64 {
+    /// The vertices of a patch that lie within and near the outline.
+    fn look(&self, p: u32) -> (u64, u64) {
         let patch = self.patches.patch(p);
         if self.outline.holds(patch.bounds) {
-            return patch.all();
+            return (patch.all, 0);
         }
-        let within = |&v: &u32| self.outline.ratio(self.surface.positions()[v as usize]) < 1.0;
-        let each = patch.vertices.iter().map(within).enumerate();
-        each.fold(0, |word, (i, within)| word | u64::from(within) << i)
+        if (self.outline).excludes(patch.bounds, patch.longest_edge_mm) {
+            return (0, 0);
+        }
+        let near_ratio = self.outline.near_ratio(patch.longest_edge_mm);
+        let positions = self.patches.positions(p);
+        let mut ratios = [0.0; 64];
+        for (i, ratio) in ratios.iter_mut().enumerate() {
+            *ratio = self.outline.ratio(positions.get(i));
+        }
+        let (mut n_within, mut n_near) = (0, 0);
+        for ratio in &ratios {
+            n_within += u64::from(*ratio < 1.0);
+            n_near += u64::from(*ratio <= near_ratio);
+        }
+        let within = match n_within {
+            0 => 0,
+            64 => u64::MAX,
+            _ => word(|i| ratios[i] < 1.0),
+        };
+        if n_near == n_within {
+            return (within, 0);
+        }
+        let near = word(|i| ratios[i] <= near_ratio);
+        (within, near & patch.all & !within)
     }
 
-    /// Meets vertices of patch `p` next to one found; answers whether all of the patch is within, and so found.
+    /// Meets vertices of patch `p` next to one found, and all that hangs together with them there.
     #[inline]
-    fn meet(&mut self, p: u32, met: u64) -> bool {
-        let all = self.patches.patch(p).all();
-        let known = self.known(p);
-        let whole = known.within == all;
-        let new = if whole { all } else { met & known.within } & !known.found;
-        if new != 0 {
-            let first = known.found == 0;
-            known.found |= new;
-            if !std::mem::replace(&mut known.waiting, true) {
-                self.search.waiting.push(p);
-            }
-            if first {
-                self.search.found.push(p);
-            }
+    fn meet(&mut self, p: u32, met: u64) {
+        let known = *self.known(p);
+        let new = met & known.within & !known.found;
+        if new == 0 {
+            return;
         }
-        whole
+        let reached = self.patches.patch(p).reached(known.within, new);
+        if known.found == 0 {
+            self.search.found.push(p);
+        }
+        if !known.waiting {
+            self.search.waiting.push(p);
+        }
+        let known = &mut self.search.known[p as usize];
+        known.found |= reached;
+        known.waiting = true;
     }
 
     /// Meets the neighbours of what is newly found in patch `p`.
     fn spread(&mut self, p: u32) {
-        let patch = self.patches.patch(p);
-        if self.search.known[p as usize].found == patch.all() {
-            let mut amid_whole = true;
-            for &q in patch.beside {
-                // A whole patch beside has a vertex of this one's halo.
-                amid_whole &= self.meet(q, 0);
-            }
-            if amid_whole {
-                self.search.known[p as usize].done = patch.all();
-                return;
-            }
-        }
-        let mut nearby = [Nearby::Outside; NEARBY];
-        let n = patch.vertices.len();
-        let known = self.search.known[p as usize];
-        for i in bits(known.within & !known.found) {
-            nearby[i] = Nearby::Unmet;
-        }
-        for i in bits(known.found) {
-            nearby[i] = Nearby::Met;
-        }
-        for (near, (q, bit)) in nearby[n..].iter_mut().zip(patch.halo_places()) {
-            let known = self.known(q);
-            if known.found & bit != 0 {
-                *near = Nearby::Met;
-            } else if known.within & bit != 0 {
-                *near = Nearby::Unmet;
-            }
-        }
-        let (mut found, mut done) = (known.found, known.done);
-        while found != done {
-            let new = found & !done;
-            done = found;
-            for (i, ring) in patch.rings().enumerate() {
-                if new >> i & 1 == 0 {
-                    continue;
-                }
-                if ring.is_empty() {
-                    self.spread_over_fans(patch.vertices[i]);
-                    found |= self.search.known[p as usize].found;
-                    continue;
-                }
-                let mut before = ring[ring.len() - 1];
-                for &k in ring {
-                    match nearby[k as usize] {
-                        Nearby::Met => {}
-                        Nearby::Unmet if (k as usize) < n => {
-                            nearby[k as usize] = Nearby::Met;
-                            found |= 1 << k;
-                        }
-                        Nearby::Unmet => {
-                            nearby[k as usize] = Nearby::Met;
-                            let (q, bit) = patch.halo_place(k as usize - n);
-                            self.meet(q, bit);
-                        }
-                        Nearby::Outside if nearby[before as usize] == Nearby::Outside => {
-                            self.cross(patch.vertices[i], patch.near(before), patch.near(k));
-                        }
-                        Nearby::Outside => {}
-                    }
-                    before = k;
-                }
-            }
-        }
+        let patches = self.patches;
+        let patch = patches.patch(p);
         let known = &mut self.search.known[p as usize];
-        known.found |= found;
-        known.done |= done;
-    }
-
-    fn spread_over_fans(&mut self, v: u32) {
-        for &t in self.surface.topology().triangles_of(v) {
-            for c in self.surface.triangles()[t as usize] {
-                let (p, bit) = self.patches.place(c);
-                self.meet(p, bit);
+        let new = known.found & !known.done;
+        known.done = known.found;
+        let mut beside_near = if known.near == 0 {
+            0
+        } else {
+            new & patch.next_to(known.near)
+        };
+        for beside in patch.beside {
+            if beside.mine & new == 0 {
+                continue;
             }
-            let [a, b, c] = self.surface.triangles()[t as usize];
-            for (at, from, to) in [(a, b, c), (b, c, a), (c, a, b)] {
-                if at == v && !self.is_within(from) && !self.is_within(to) {
-                    self.cross(v, from, to);
-                }
+            let known = *self.known(beside.block);
+            if known.near & beside.theirs != 0 {
+                beside_near |= beside.mine & new;
             }
+            if known.within & beside.theirs & !known.found != 0 {
+                // Where all of them come along with any of them it does not matter which were met.
+                let alike = beside.is_one_part() && known.within == patches.all(beside.block);
+                let met = if alike {
+                    beside.theirs
+                } else {
+                    patch.across(beside, new)
+                };
+                self.meet(beside.block, met);
+            }
+        }
+        for i in bits(beside_near) {
+            self.leave(vertex(p, i));
         }
     }
 
-    fn is_within(&mut self, v: u32) -> bool {
-        let (p, bit) = self.patches.place(v);
-        self.known(p).within & bit != 0
-    }
-
-    /// Goes on across the edge `from`–`to` of a triangle whose third corner `v` was found, where the outline reaches over it.
-    fn cross(&mut self, v: u32, from: u32, to: u32) {
-        let [a, b] = [from, to].map(|v| self.surface.positions()[v as usize]);
-        if !self.outline.reaches(a, b) {
-            return;
-        }
+    /// Goes on across the edges that triangles with the found corner `v` have outside, where these reach in.
+    fn leave(&mut self, v: u32) {
         for &t in self.surface.topology().triangles_of(v) {
             let corners = self.surface.triangles()[t as usize];
-            let edge = (0..3).find(|&e| corners[e] == from && corners[(e + 1) % 3] == to);
-            if let Some(edge) = edge {
-                let next = self.surface.topology().across(t)[edge];
-                if next != RIM {
+            let Some(k) = corners.iter().position(|&c| c == v) else {
+                continue;
+            };
+            let edge = (k + 1) % 3;
+            let [from, to] = [edge, (edge + 1) % 3].map(|k| corners[k]);
+            let next = self.surface.topology().across(t)[edge];
+            if next != RIM && !self.is_within(from) && !self.is_within(to) {
+                let [a, b] = [from, to].map(|v| self.surface.positions()[v as usize]);
+                if self.outline.reaches(a, b) {
                     self.enter(next);
                 }
             }
         }
     }
 
+    fn is_within(&mut self, v: u32) -> bool {
+        let (p, bit) = place(v);
+        self.known(p).within & bit != 0
+    }
+
     /// Takes in triangle `t`, which the outline reaches, and goes on across its edges while no corner is inside.
     fn enter(&mut self, t: u32) {
-        let mut waiting = vec![t];
-        while let Some(t) = waiting.pop() {
+        self.search.entering.push(t);
+        while let Some(t) = self.search.entering.pop() {
             if !self.search.entered.insert(t) {
                 continue;
             }
             let corners = self.surface.triangles()[t as usize];
             if corners.iter().any(|&v| self.is_within(v)) {
                 for v in corners {
-                    let (p, bit) = self.patches.place(v);
+                    let (p, bit) = place(v);
                     self.meet(p, bit);
                 }
                 continue;
@@ -294,7 +270,7 @@ impl<O: Outline> Walk<'_, O> {
             for edge in 0..3 {
                 let next = self.surface.topology().across(t)[edge];
                 if next != RIM && self.outline.reaches(p[edge], p[(edge + 1) % 3]) {
-                    waiting.push(next);
+                    self.search.entering.push(next);
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Normals of the deformed surface, recomputed only where a triangle changed (Ji 2008, 4.5).
 //!
 //! n = unit(n₀ |S₀| + S − S₀) with S and S₀ the sums of the area normals of a vertex's triangles, deformed and at rest, and n₀
-//! its normal at rest. So a normal leaves the one at rest, which is weighted by angles, without a jump, follows the area
+//! its normal at rest. So a normal leaves the one at rest, which is weighted by angles, without a jump, and follows the area
 //! normals from there on. Where no triangle of the vertex moved it is exactly n₀.
 //!
 //! The area normals of a fan of triangles add up to the area vector of the closed polygon round it, whatever lies in the
@@ -9,228 +9,217 @@
 //! two for the usual six neighbours, instead of six.
 
 use super::Displacement;
-use super::patches::{NEARBY, Patch, Patches, bits};
+use super::blocks::{BLOCK, Block, bits, unless, vertex};
+use super::displacement::Change;
+use super::marks::Marks;
+use super::nearby::{Nearby, Places};
+use super::pairs::Pair;
+use super::patches::{Patch, Patches};
 use crate::geom::{Vec3, unit_or};
 use crate::surface::Surface;
 
-/// The patches with something to shade, and scratch memory.
+/// What an update has to shade, what a surface needs for it, and scratch memory.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Shading {
-    marks: Vec<Mark>,
-    generation: u32,
-    marked: Vec<u32>,
-    /// Per vertex in the order of the patches: n₀ |S₀| − S₀, mm².
-    corrections: Vec<Vec3>,
+    marks: Marks,
+    /// n₀ |S₀| − S₀, mm².
+    corrections: Vec<Block>,
     nearby: Nearby,
-}
-
-/// A patch and its halo, gathered.
-#[derive(Clone, Debug)]
-struct Nearby {
-    deformed_mm: [Vec3; NEARBY],
-    moved: [bool; NEARBY],
-}
-
-impl Default for Nearby {
-    fn default() -> Self {
-        Self {
-            deformed_mm: [Vec3::ZERO; NEARBY],
-            moved: [false; NEARBY],
-        }
-    }
-}
-
-impl Nearby {
-    #[inline(always)]
-    fn gather(&mut self, surface: &Surface, patch: &Patch, offset_mm: impl Fn(u32) -> Vec3) {
-        let places = self.deformed_mm.iter_mut().zip(&mut self.moved);
-        for ((at, moved), &v) in places.zip(patch.nearby()) {
-            let offset = offset_mm(v);
-            *at = surface.positions()[v as usize] + offset;
-            *moved = offset != Vec3::ZERO;
-        }
-    }
-
-    fn any_moved(&self, ring: &[u8]) -> bool {
-        ring.iter().any(|&k| self.moved[k as usize])
-    }
-}
-
-/// Vertices of a patch, a bit each.
-#[derive(Clone, Copy, Debug, Default)]
-struct Mark {
-    generation: u32,
-    /// Offset changed.
-    displaced: u64,
-    /// A triangle changed.
-    stale: u64,
 }
 
 impl Shading {
     /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
-        size_of::<Mark>() * self.marks.capacity()
-            + 4 * self.marked.capacity()
-            + size_of_val(&self.corrections[..])
+        self.marks.bytes() + size_of_val(&self.corrections[..])
     }
 
     /// Builds what is kept about a surface.
     pub fn prepare(&mut self, surface: &Surface, patches: &Patches) {
+        let at_rest = vec![Block::ZERO; patches.len()];
         self.corrections.clear();
         for p in 0..patches.len() as u32 {
+            self.nearby.gather(patches, p, &at_rest);
             let patch = patches.patch(p);
-            self.nearby.gather(surface, &patch, |_| Vec3::ZERO);
-            for (ring, &v) in patch.rings().zip(patch.vertices) {
-                let sum = area(&self.nearby.deformed_mm, ring);
-                let correction = surface.normals()[v as usize] * sum.length() - sum;
-                self.corrections.push(correction);
+            let mut sums = Block::ZERO;
+            add_longer(&self.nearby, &patch, &mut sums);
+            for i in (0..BLOCK).step_by(2) {
+                area(&self.nearby, &patch, i)
+                    .plus(pair_of(&sums, i))
+                    .put(&mut sums, i);
             }
+            for i in bits(patch.all) {
+                let (sum, v) = (sums.get(i), vertex(p, i));
+                sums.set(i, surface.normals()[v as usize] * sum.length() - sum);
+            }
+            self.corrections.push(sums);
         }
     }
 
-    /// Forgets all marks.
+    /// Forgets what was noted.
     pub fn begin(&mut self, patches: &Patches) {
-        if self.marks.len() != patches.len() || self.generation == u32::MAX {
-            self.marks.clear();
-            self.marks.resize(patches.len(), Mark::default());
-            self.generation = 0;
-        }
-        self.generation += 1;
-        self.marked.clear();
+        self.marks.begin(patches);
     }
 
     /// Notes the vertices of patch `p` whose offset changed.
-    pub fn note(&mut self, p: u32, displaced: u64) {
-        if displaced != 0 {
-            let mark = self.mark(p);
-            mark.displaced |= displaced;
-            mark.stale |= displaced;
-        }
-    }
-
     #[inline]
-    fn mark(&mut self, p: u32) -> &mut Mark {
-        let mark = &mut self.marks[p as usize];
-        if mark.generation != self.generation {
-            *mark = Mark {
-                generation: self.generation,
-                ..Mark::default()
-            };
-            self.marked.push(p);
-        }
-        mark
+    pub fn note(&mut self, p: u32, displaced: u64) {
+        self.marks.note(p, displaced);
     }
 
-    /// Renews the normals of displaced vertices and those next to them; lists in `out.touched` what changed.
+    /// Renews the normals of displaced vertices and those next to them; lists in `out` what changed.
     pub fn renew(&mut self, surface: &Surface, patches: &Patches, out: &mut Displacement) {
-        for i in 0..self.marked.len() {
-            self.mark_neighbours(surface, patches, self.marked[i]);
-        }
-        out.touched.clear();
-        self.marked.sort_unstable();
-        for i in 0..self.marked.len() {
-            self.renew_patch(surface, patches, self.marked[i], out);
-        }
-    }
-
-    fn mark_neighbours(&mut self, surface: &Surface, patches: &Patches, p: u32) {
-        let patch = patches.patch(p);
-        let displaced = self.marks[p as usize].displaced;
-        if displaced == patch.all() {
-            for (p, bit) in patch.halo_places() {
-                self.mark(p).stale |= bit;
-            }
-            return;
-        }
-        for v in bits(displaced).map(|i| patch.vertices[i]) {
-            for &n in surface.topology().neighbours(v) {
-                let (p, bit) = patches.place(n);
-                self.mark(p).stale |= bit;
+        self.marks.spread(patches);
+        out.changes.clear();
+        for i in 0..self.marks.marked().len() {
+            let p = self.marks.marked()[i];
+            let stale = self.marks.stale(patches, p);
+            let displaced = self.marks.displaced(p);
+            let turned = self.renew_patch(surface, patches, p, stale, out);
+            let touched = displaced | turned;
+            if touched != 0 {
+                out.changes.push(Change {
+                    block: p,
+                    displaced,
+                    touched,
+                });
             }
         }
     }
 
+    /// Renews the `stale` normals of a patch; answers with the bits of those that changed, and maybe of some displaced.
     fn renew_patch(
         &mut self,
         surface: &Surface,
         patches: &Patches,
         p: u32,
+        stale: u64,
         out: &mut Displacement,
-    ) {
+    ) -> u64 {
         let patch = patches.patch(p);
-        let mark = self.marks[p as usize];
-        let offsets_mm = &out.offsets_mm;
-        self.nearby
-            .gather(surface, &patch, |v| offsets_mm[v as usize]);
-        let corrections = &self.corrections[patches.first(p)..];
-        let vertices = patch.vertices.iter().zip(corrections);
-        for (i, (ring, (&v, &correction))) in patch.rings().zip(vertices).enumerate() {
-            if mark.stale >> i & 1 == 0 {
+        let bent = self.marks.bent(patches, p, stale, &out.moved);
+        self.nearby.gather(patches, p, &out.offsets_mm);
+        let mut with_longer;
+        let mut start = &self.corrections[p as usize];
+        if !patch.longer.is_empty() {
+            with_longer = *start;
+            add_longer(&self.nearby, &patch, &mut with_longer);
+            start = &with_longer;
+        }
+        let wanted = stale & bent;
+        let (mut new, mut lengths_sq) = (Block::ZERO, [1.0; BLOCK]);
+        let mut n_sound = 0;
+        for i in (0..BLOCK).step_by(2) {
+            if wanted >> i & 3 == 0 {
                 continue;
             }
-            let at_rest = || surface.normals()[v as usize];
-            let normal = if ring.is_empty() {
-                normal_of_fans(surface, offsets_mm, v)
-            } else if self.nearby.moved[i] || self.nearby.any_moved(ring) {
-                let sum = correction + area(&self.nearby.deformed_mm, ring);
-                let length_sq = sum.length_squared();
-                if length_sq > f64::MIN_POSITIVE && length_sq < f64::MAX {
-                    sum * (1.0 / length_sq.sqrt())
-                } else {
-                    unit_or(sum, at_rest())
-                }
-            } else {
-                at_rest()
-            };
-            let held = &mut out.normals[v as usize];
-            if mark.displaced >> i & 1 == 1 || *held != normal {
-                *held = normal;
-                out.touched.push(v);
-            }
+            let sum = area(&self.nearby, &patch, i).plus(pair_of(start, i));
+            let length_sq = sum.length_sq();
+            sum.times(per_length(length_sq)).put(&mut new, i);
+            length_sq.put(&mut lengths_sq, i);
+            let [l, m] = length_sq.0;
+            n_sound += u64::from(is_sound(l)) + u64::from(is_sound(m));
         }
+        if wanted & !patch.without_ring == u64::MAX && n_sound == BLOCK as u64 {
+            let held = &mut out.normals[p as usize];
+            if self.marks.displaced(p) == u64::MAX {
+                // All are drawn anew, whether the normal turns or not.
+                *held = new;
+                return u64::MAX;
+            }
+            return replace(held, &new);
+        }
+        let mut turned = 0;
+        for i in bits(stale) {
+            let v = vertex(p, i);
+            let at_rest = surface.normals()[v as usize];
+            let normal = if bent >> i & 1 == 0 {
+                at_rest
+            } else if patch.without_ring >> i & 1 == 1 {
+                normal_of_fans(surface, out, v)
+            } else if is_sound(lengths_sq[i]) {
+                new.get(i)
+            } else {
+                let even = i & !1;
+                let sums = area(&self.nearby, &patch, even).plus(pair_of(start, even));
+                unit_or(sums.get(i - even), at_rest)
+            };
+            let held = &mut out.normals[p as usize];
+            turned |= u64::from(held.get(i) != normal) << i;
+            held.set(i, normal);
+        }
+        turned
     }
 }
 
-/// Twice the area vector of the closed polygon with the given corners, mm².
+/// Writes the normals of a patch; answers with the bits of those that changed.
+#[inline]
+fn replace(held: &mut Block, new: &Block) -> u64 {
+    let (mut same, mut n_same) = ([0_u64; BLOCK], 0);
+    for (i, same) in same.iter_mut().enumerate() {
+        let (x, y, z) = (new.x[i], new.y[i], new.z[i]);
+        *same = u64::from((x == held.x[i]) & (y == held.y[i]) & (z == held.z[i]));
+        n_same += *same;
+        (held.x[i], held.y[i], held.z[i]) = (x, y, z);
+    }
+    unless(&same, n_same)
+}
+
+/// Whether a vector with this squared length has a direction.
 #[inline(always)]
-fn area(points: &[Vec3; NEARBY], ring: &[u8]) -> Vec3 {
-    let at = |k: u8| points[k as usize];
-    if let &[a, b, c, d, e, f] = ring {
-        let a = at(a);
-        return (at(c) - a).cross(at(d) - at(b)) + (at(e) - a).cross(at(f) - at(d));
+fn is_sound(length_sq: f64) -> bool {
+    (f64::MIN_POSITIVE..=f64::MAX).contains(&length_sq)
+}
+
+#[inline(always)]
+fn per_length(length_sq: Pair) -> Pair {
+    Pair([1.0; 2]) / length_sq.sqrt()
+}
+
+#[inline(always)]
+fn pair_of(block: &Block, i: usize) -> Places {
+    Places {
+        x: Pair::of(&block.x, i),
+        y: Pair::of(&block.y, i),
+        z: Pair::of(&block.z, i),
     }
-    let [first, rest @ ..] = ring else {
-        return Vec3::ZERO;
-    };
-    let a = at(*first);
-    let mut sum = Vec3::ZERO;
-    let mut rest = rest;
-    while let [b, c, d, ..] = rest {
-        sum += (at(*c) - a).cross(at(*d) - at(*b));
-        rest = &rest[2..];
+}
+
+/// Twice the area vectors of the first six corners of the rings of two vertices, mm².
+#[inline(always)]
+fn area(at: &Nearby, patch: &Patch, i: usize) -> Places {
+    let [r0, r1, r2, r3, r4, r5] = patch.rings;
+    let a = at.pair(r0[i], r0[i + 1]);
+    let b = at.pair(r1[i], r1[i + 1]);
+    let c = at.pair(r2[i], r2[i + 1]);
+    let d = at.pair(r3[i], r3[i + 1]);
+    let e = at.pair(r4[i], r4[i + 1]);
+    let f = at.pair(r5[i], r5[i + 1]);
+    let first = c.minus(a).cross(d.minus(b));
+    let second = e.minus(a).cross(f.minus(d));
+    first.plus(second)
+}
+
+/// Adds what longer rings have beyond that.
+fn add_longer(at: &Nearby, patch: &Patch, sums: &mut Block) {
+    for l in patch.longer {
+        let [a, b] = [l.first, l.before].map(|k| at.get(k));
+        let [c, d] = l.next.map(|k| at.get(k));
+        let i = l.vertex as usize;
+        sums.set(i, sums.get(i) + (c - a).cross(d - b));
     }
-    if let [b, c] = rest {
-        sum += (at(*b) - a).cross(at(*c) - a);
-    }
-    sum
 }
 
 /// The normal of a vertex without a plain ring, from its triangles one by one.
-fn normal_of_fans(surface: &Surface, offsets_mm: &[Vec3], v: u32) -> Vec3 {
+fn normal_of_fans(surface: &Surface, out: &Displacement, v: u32) -> Vec3 {
     let normal_at_rest = surface.normals()[v as usize];
-    let (mut at_rest, mut now, mut moved) = (Vec3::ZERO, Vec3::ZERO, false);
+    let (mut at_rest, mut now) = (Vec3::ZERO, Vec3::ZERO);
     for &t in surface.topology().triangles_of(v) {
-        let corners = surface.triangles()[t as usize].map(|c| c as usize);
-        let [a, b, c] = corners.map(|c| surface.positions()[c]);
-        let [d, e, f] = corners.map(|c| surface.positions()[c] + offsets_mm[c]);
+        let corners = surface.triangles()[t as usize];
+        let [a, b, c] = corners.map(|c| surface.positions()[c as usize]);
+        let [d, e, f] = corners.map(|c| out.position(surface, c));
         at_rest += (b - a).cross(c - a);
         now += (e - d).cross(f - d);
-        moved |= corners.iter().any(|&c| offsets_mm[c] != Vec3::ZERO);
     }
-    if moved {
-        let sum = normal_at_rest * at_rest.length() + (now - at_rest);
-        unit_or(sum, normal_at_rest)
-    } else {
-        normal_at_rest
-    }
+    let sum = normal_at_rest * at_rest.length() + (now - at_rest);
+    unit_or(sum, normal_at_rest)
 }

@@ -1,8 +1,14 @@
 //! Strain of the drawn skin: how much longer the edges round a vertex are than at rest (Ji 2008, eqs. 4.19, 4.20).
 
 use super::Displacement;
+use super::blocks::{BLOCK, Block, Row, bits, unless, vertex};
+use super::marks::Marks;
+use super::nearby::Nearby;
+use super::pairs::Pair;
+use super::patches::{CORNERS, Patch, Patches};
 use crate::geom::Vec3;
 use crate::surface::Surface;
+use std::sync::Arc;
 
 /// A rest edge this short has no length to compare with, mm. Above it, squares and their quotients stay finite.
 const NO_LENGTH_MM: f64 = 1e-100;
@@ -14,47 +20,55 @@ const NO_LENGTH_MM: f64 = 1e-100;
 /// at it: made by [`Strain::new`], kept up to date by [`Strain::update`], absent otherwise.
 #[derive(Clone, Debug, Default)]
 pub struct Strain {
-    hash: [u8; 32],
+    patches: Arc<Patches>,
+    weights: Vec<Weights>,
+    /// Those of ring corners beyond the sixth.
+    longer: Vec<f64>,
+    /// Per patch: vertices without a ring, or without an edge.
+    odd: Vec<u64>,
     values: Vec<f64>,
-    touched: Vec<u32>,
+    marks: Marks,
+    /// Per patch that changed: the vertices whose strain did.
+    touched: Vec<(u32, u64)>,
     seen_updates: u64,
-    /// Per vertex: the pass in which it was looked at last.
-    looked_at: Vec<u32>,
-    pass: u32,
+    nearby: Nearby,
 }
+
+/// What makes a share of the mean of a squared length: 1 / (rest length · number of edges)², per mm². 0 for what is no edge.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+struct Weights([Row; CORNERS]);
 
 impl Strain {
     /// The strain of `surface` as deformed by `displacement`, which must have been made for it. Every vertex under strain
     /// counts as touched.
     pub fn new(surface: &Surface, displacement: &Displacement) -> Self {
+        let known = displacement.patches.iter().find(|p| p.are_of(surface));
         let mut strain = Self {
-            hash: surface.hash(),
+            patches: (known.cloned()).unwrap_or_else(|| Arc::new(Patches::new(surface))),
             values: vec![0.0; surface.positions().len()],
-            looked_at: vec![0; surface.positions().len()],
             ..Self::default()
         };
-        strain.begin();
-        strain.renew(surface, displacement, displacement.moved());
-        strain.seen_updates = displacement.updates();
+        strain.weigh(surface);
+        strain.follow_all(surface, displacement);
         strain
     }
 
-    /// Follows one update of `displacement`, at the cost of what that touched. Made anew where it missed one, or belongs to
-    /// another surface.
+    /// Follows one update of `displacement`, at the cost of what that changed. Where it missed one, all vertices are looked
+    /// at; where it belongs to another surface, it is made anew.
     pub fn update(&mut self, surface: &Surface, displacement: &Displacement) {
-        let missed = displacement.updates().wrapping_sub(self.seen_updates);
-        if self.hash != surface.hash() || self.values.len() != displacement.n_vertices() {
-            *self = Self::new(surface, displacement);
-        } else if missed == 0 {
-            self.touched.clear();
-        } else {
-            self.begin();
-            if missed == 1 {
-                self.renew(surface, displacement, displacement.touched());
-            } else {
-                // What was under strain before may lie anywhere.
-                self.renew(surface, displacement, 0..self.values.len() as u32);
+        let same = self.patches.are_of(surface) && self.values.len() == displacement.n_vertices();
+        match displacement.updates().wrapping_sub(self.seen_updates) {
+            _ if !same => *self = Self::new(surface, displacement),
+            0 => self.touched.clear(),
+            1 => {
+                self.marks.begin(&self.patches);
+                for change in &displacement.changes {
+                    self.marks.note(change.block, change.displaced);
+                }
+                self.renew(surface, displacement);
             }
+            _ => self.follow_all(surface, displacement),
         }
         self.seen_updates = displacement.updates();
     }
@@ -64,70 +78,174 @@ impl Strain {
         &self.values
     }
 
-    /// The vertices whose strain changed in the last update, in an order that is the same every time.
+    /// The vertices whose strain changed in the last update, ascending.
     pub fn touched(&self) -> impl Iterator<Item = u32> + '_ {
-        self.touched.iter().copied()
+        let words = self.touched.iter();
+        words.flat_map(|&(block, word)| bits(word).map(move |i| vertex(block, i)))
     }
 
-    /// Memory held, bytes.
+    /// Memory held, bytes, without what it shares with the model.
     pub fn bytes(&self) -> usize {
-        8 * self.values.capacity() + 4 * (self.touched.capacity() + self.looked_at.capacity())
+        size_of::<Weights>() * self.weights.capacity()
+            + 8 * (self.values.capacity() + self.longer.capacity() + self.odd.capacity())
+            + size_of::<(u32, u64)>() * self.touched.capacity()
+            + self.marks.bytes()
     }
 
-    fn begin(&mut self) {
-        if self.pass == u32::MAX {
-            self.looked_at.fill(0);
-            self.pass = 0;
+    fn follow_all(&mut self, surface: &Surface, displacement: &Displacement) {
+        self.marks.begin(&self.patches);
+        for p in 0..self.patches.len() as u32 {
+            self.marks.note(p, self.patches.all(p));
         }
-        self.pass += 1;
-        self.touched.clear();
+        self.renew(surface, displacement);
+        self.seen_updates = displacement.updates();
     }
 
-    /// Renews the strain of some vertices and of those next to them.
-    fn renew(
-        &mut self,
-        surface: &Surface,
-        displacement: &Displacement,
-        vertices: impl Iterator<Item = u32>,
-    ) {
-        for v in vertices {
-            self.look_at(surface, displacement, v);
-            for &n in surface.topology().neighbours(v) {
-                self.look_at(surface, displacement, n);
+    /// Takes the lengths of all edges at rest.
+    fn weigh(&mut self, surface: &Surface) {
+        let patches = Arc::clone(&self.patches);
+        let at_rest = vec![Block::ZERO; patches.len()];
+        for p in 0..patches.len() as u32 {
+            let patch = patches.patch(p);
+            self.nearby.gather(&patches, p, &at_rest);
+            let mut weights = Weights([[0.0; BLOCK]; CORNERS]);
+            let mut odd = patch.without_ring;
+            for i in bits(patch.all & !patch.without_ring) {
+                let n = n_edges(surface, vertex(p, i));
+                odd |= u64::from(n == 0) << i;
+                let per_edges = 1.0 / n.max(1) as f64;
+                let here = self.nearby.get(i as u8);
+                for (k, ring) in patch.rings.iter().enumerate() {
+                    // A shorter ring repeats its last corner.
+                    if k == 0 || ring[i] != patch.rings[k - 1][i] {
+                        weights.0[k][i] = weight(self.nearby.get(ring[i]) - here, per_edges);
+                    }
+                }
+            }
+            self.odd.push(odd);
+            self.weights.push(weights);
+            for l in patch.longer {
+                let per_edges = 1.0 / n_edges(surface, vertex(p, l.vertex.into())).max(1) as f64;
+                let here = self.nearby.get(l.vertex);
+                let [c, d] = l.next.map(|k| weight(self.nearby.get(k) - here, per_edges));
+                let d = if l.next[0] == l.next[1] { 0.0 } else { d };
+                self.longer.extend([c, d]);
+            }
+        }
+        self.weights.shrink_to_fit();
+    }
+
+    fn renew(&mut self, surface: &Surface, displacement: &Displacement) {
+        let patches = Arc::clone(&self.patches);
+        self.marks.spread(&patches);
+        self.touched.clear();
+        for i in 0..self.marks.marked().len() {
+            let p = self.marks.marked()[i];
+            let stale = self.marks.stale(&patches, p);
+            let turned = self.renew_patch(surface, &patches, p, stale, displacement);
+            if turned != 0 {
+                self.touched.push((p, turned));
             }
         }
     }
 
-    fn look_at(&mut self, surface: &Surface, displacement: &Displacement, v: u32) {
-        let i = v as usize;
-        if std::mem::replace(&mut self.looked_at[i], self.pass) == self.pass {
-            return;
+    /// Renews the `stale` values of a patch; answers with the bits of those that changed.
+    fn renew_patch(
+        &mut self,
+        surface: &Surface,
+        patches: &Patches,
+        p: u32,
+        stale: u64,
+        out: &Displacement,
+    ) -> u64 {
+        let patch = patches.patch(p);
+        let bent = stale & self.marks.bent(patches, p, stale, &out.moved);
+        let mut new = [0.0; BLOCK];
+        if bent != 0 {
+            self.nearby.gather(patches, p, &out.offsets_mm);
+            self.strains(p, &patch, bent, &mut new);
+            for i in bits(bent & self.odd[p as usize]) {
+                new[i] = of_vertex(surface, out, vertex(p, i));
+            }
         }
-        let strain = of_vertex(surface, displacement, v);
-        if strain != self.values[i] {
-            self.values[i] = strain;
-            self.touched.push(v);
+        let from = p as usize * BLOCK;
+        let to = (from + BLOCK).min(self.values.len());
+        let held = &mut self.values[from..to];
+        if let (u64::MAX, Ok(held)) = (bent, <&mut Row>::try_from(&mut *held)) {
+            let (mut same, mut n_same) = ([0_u64; BLOCK], 0);
+            for i in 0..BLOCK {
+                same[i] = u64::from(held[i] == new[i]);
+                n_same += same[i];
+            }
+            *held = new;
+            return unless(&same, n_same);
+        }
+        let mut turned = 0;
+        for i in bits(stale) {
+            let strain = if bent >> i & 1 == 1 { new[i] } else { 0.0 };
+            turned |= u64::from(held[i] != strain) << i;
+            held[i] = strain;
+        }
+        turned
+    }
+
+    /// The strain of the `wanted` vertices of a patch, gathered, that have a ring. Others get anything.
+    #[inline]
+    fn strains(&self, p: u32, patch: &Patch, wanted: u64, strains: &mut Row) {
+        let (at, weights) = (&self.nearby, &self.weights[p as usize].0);
+        for i in (0..BLOCK).step_by(2) {
+            if wanted >> i & 3 == 0 {
+                continue;
+            }
+            let here = at.pair(i as u8, i as u8 + 1);
+            let mut sum = Pair([-1.0; 2]);
+            for (ring, weights) in patch.rings.iter().zip(weights) {
+                let edge = at.pair(ring[i], ring[i + 1]).minus(here);
+                sum = sum + (edge.length_sq() * Pair::of(weights, i)).sqrt();
+            }
+            sum.put(strains, i);
+        }
+        let weights = self.longer[2 * patch.longer_from..].chunks_exact(2);
+        for (l, weights) in patch.longer.iter().zip(weights) {
+            let here = at.get(l.vertex);
+            for (&corner, weight) in l.next.iter().zip(weights) {
+                let edge = at.get(corner) - here;
+                strains[l.vertex as usize] += (edge.length_squared() * weight).sqrt();
+            }
         }
     }
 }
 
-fn of_vertex(surface: &Surface, displacement: &Displacement, v: u32) -> f64 {
-    let offset = displacement.offset_mm(v);
-    let mut moved = offset != Vec3::ZERO;
-    let (mut stretches, mut n) = (0.0, 0_u32);
-    for &k in surface.topology().neighbours(v) {
-        let edge = surface.positions()[k as usize] - surface.positions()[v as usize];
-        let other = displacement.offset_mm(k);
-        moved |= other != Vec3::ZERO;
-        let rest_mm = edge.length();
-        if rest_mm > NO_LENGTH_MM {
-            stretches += (edge + (other - offset)).length() / rest_mm;
-            n += 1;
-        }
-    }
-    if moved && n > 0 {
-        stretches / f64::from(n) - 1.0
+/// 1 / (length · number of edges)²; 0 for an edge without length.
+fn weight(edge_mm: Vec3, per_edges: f64) -> f64 {
+    let length_mm = edge_mm.length();
+    if length_mm > NO_LENGTH_MM {
+        let weight = per_edges / length_mm;
+        weight * weight
     } else {
         0.0
     }
+}
+
+/// Number of edges of a vertex that have a length at rest.
+fn n_edges(surface: &Surface, v: u32) -> usize {
+    let at = |v: u32| surface.positions()[v as usize];
+    let edges = surface.topology().neighbours(v).iter();
+    edges
+        .filter(|&&n| (at(n) - at(v)).length() > NO_LENGTH_MM)
+        .count()
+}
+
+/// The strain of a vertex without a ring, or without an edge.
+fn of_vertex(surface: &Surface, out: &Displacement, v: u32) -> f64 {
+    let at = |v: u32| surface.positions()[v as usize];
+    let (mut sum, mut n) = (0.0, 0_u32);
+    for &k in surface.topology().neighbours(v) {
+        let rest_mm = (at(k) - at(v)).length();
+        if rest_mm > NO_LENGTH_MM {
+            sum += (out.position(surface, k) - out.position(surface, v)).length() / rest_mm;
+            n += 1;
+        }
+    }
+    if n > 0 { sum / f64::from(n) - 1.0 } else { 0.0 }
 }

@@ -7,6 +7,7 @@ mod aabb;
 pub mod curve;
 pub mod law;
 mod monotone;
+mod table;
 mod triangle;
 
 pub use aabb::Aabb;

@@ -35,6 +35,27 @@ pub trait Outline {
     fn holds(&self, _bounds: &Aabb) -> bool {
         false
     }
+
+    /// A ratio that one end at least of every segment of at most `edge_mm` with a point inside does not exceed.
+    fn near_ratio(&self, _edge_mm: f64) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Whether every point of a box has more than the [`Outline::near_ratio`] of `edge_mm` for certain. Answering false is
+    /// always right, only slower.
+    fn excludes(&self, _bounds: &Aabb, _edge_mm: f64) -> bool {
+        false
+    }
+}
+
+/// Squared distance from a centre of what comes nearest to it in a box, in the two axes given; at most what it is.
+#[inline(always)]
+fn nearest_sq(bounds: &Aabb, centre_mm: Vec3, x: Vec3, y: Vec3) -> f64 {
+    let half = (bounds.max - bounds.min) * 0.5;
+    let middle = bounds.min + half - centre_mm;
+    let u = (middle.dot(x).abs() - x.abs().dot(half)).max(0.0);
+    let v = (middle.dot(y).abs() - y.abs().dot(half)).max(0.0);
+    u * u + v * v
 }
 
 /// The kinds of footprint, by name.
@@ -138,7 +159,21 @@ pub(super) mod tests {
         if (least - 1.0).abs() > 1e-4 {
             prop_assert_eq!(outline.reaches(from, to), least < 1.0, "least q {}", least);
         }
-        if outline.holds(&Aabb::of_points([from, to])) {
+        let bounds = Aabb::of_points([from, to]);
+        let near = outline.near_ratio(from.distance(to));
+        let ends = [from, to].map(|p| outline.ratio(p));
+        prop_assert!(
+            least >= 1.0 || ends.iter().any(|&q| q <= near),
+            "{} not {}",
+            near,
+            ends[0]
+        );
+        for edge_mm in [0.01, 0.7] {
+            if outline.excludes(&bounds, edge_mm) {
+                prop_assert!(least > outline.near_ratio(edge_mm));
+            }
+        }
+        if outline.holds(&bounds) {
             let share = |i: usize| (i % 11) as f64 / 10.0;
             for i in 0..11 * 11 * 11 {
                 let t = Vec3::new(share(i), share(i / 11), share(i / 121));

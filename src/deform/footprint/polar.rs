@@ -1,6 +1,6 @@
 //! An irregular outline: radii round the centre (Ji 2008, future work 3).
 
-use super::{Outline, major_axis_on_skin};
+use super::{Outline, major_axis_on_skin, nearest_sq};
 use crate::geom::{Aabb, Monotone, Vec2, Vec3, unit_or};
 use std::f64::consts::FRAC_PI_2;
 use std::sync::{Arc, LazyLock};
@@ -226,6 +226,20 @@ impl Outline for Polar {
         ];
         corners.iter().all(|&c| inside(shape.ratio(c)))
             && (0..4).all(|i| inside(shape.range_at_crossings(corners[i], corners[(i + 1) % 4]).1))
+    }
+
+    /// By the most that q can rise per mm, which is in the sector whose side comes nearest to the centre.
+    #[inline]
+    fn near_ratio(&self, edge_mm: f64) -> f64 {
+        let rise_sq = self.x.length_squared() / self.shape.inner_sq_mm2;
+        (1.0 + 0.5 * edge_mm * rise_sq.sqrt()) * (1.0 + 1e-9)
+    }
+
+    /// What lies beyond the farthest corner by a share of its distance has at least a ratio beyond 1 by that share.
+    #[inline]
+    fn excludes(&self, bounds: &Aabb, edge_mm: f64) -> bool {
+        let near = self.near_ratio(edge_mm) * (1.0 + 1e-8);
+        nearest_sq(bounds, self.centre_mm, self.x, self.y) > self.shape.outer_sq_mm2 * near * near
     }
 }
 

@@ -1,6 +1,6 @@
 //! The ellipse by the printed location ratio (Ji 2008, eq. 4.13).
 
-use super::{Outline, major_axis_on_skin};
+use super::{Outline, major_axis_on_skin, nearest_sq};
 use crate::geom::{Aabb, Vec3, unit_or};
 
 /// Halvings that bring an interval of length 1 below the spacing of its numbers.
@@ -161,6 +161,25 @@ impl Outline for PrintedEllipse {
             && inside(near_u, v + hv)
             && inside(u + hu, near_v)
             && inside(near_u, near_v)
+    }
+
+    /// By the most that q can rise per mm.
+    #[inline]
+    fn near_ratio(&self, edge_mm: f64) -> f64 {
+        let (a_sq, b_sq) = (self.half_major_sq_mm2, self.half_minor_sq_mm2);
+        let least_sq = a_sq.min(b_sq);
+        // |∇q|² = 1/R² + (R′/R²)² with R² between a² and b² and 2 |R R′| at most |a² − b²|.
+        let turn = (a_sq - b_sq) / (2.0 * least_sq);
+        let rise = ((1.0 + turn * turn) / least_sq).sqrt();
+        (1.0 + 0.5 * edge_mm * rise) * (1.0 + 1e-9)
+    }
+
+    /// What lies beyond the larger axis by a share of it has at least a ratio beyond 1 by that share.
+    #[inline]
+    fn excludes(&self, bounds: &Aabb, edge_mm: f64) -> bool {
+        let most_sq = self.half_major_sq_mm2.max(self.half_minor_sq_mm2);
+        let near = self.near_ratio(edge_mm) * (1.0 + 1e-8);
+        nearest_sq(bounds, self.centre_mm, self.major, self.minor) > most_sq * near * near
     }
 }
 

@@ -17,15 +17,19 @@
 //! caps and sums does not depend on a frame, and two fingers side by side do not dig twice as deep as one may. Where there
 //! are [`bones`](crate::deform::bones), they narrow normal footprints, and limit the normal sum after its cap.
 
+mod field;
+
+use crate::deform::blocks::{BLOCK, Block, Row, bits, unless, vertex};
 use crate::deform::bones::Bones;
 use crate::deform::curve::Curve;
-use crate::deform::footprint::{Ellipse, Kind, Outline, Polar, PrintedEllipse};
-use crate::deform::patches::{PATCH, Patches};
+use crate::deform::footprint::{Ellipse, Kind, Polar, PrintedEllipse};
+use crate::deform::patches::Patches;
 use crate::deform::shading::Shading;
 use crate::deform::{Displacement, Model, Press, RingSearch};
 use crate::geom::{Vec3, unit_or};
 use crate::maps::Oval;
 use crate::surface::Surface;
+use field::{Field, Footprint};
 use std::sync::Arc;
 
 /// No coordinate of a press may be larger, mm: a kilometre off is no place on a body, and squares stay finite.
@@ -115,7 +119,7 @@ impl Settings {
 #[derive(Clone, Debug)]
 pub struct Fsmd {
     settings: Settings,
-    patches: Patches,
+    patches: Arc<Patches>,
     /// Fields of this update, in the order of the presses, each with a search of its own below.
     fields: Vec<Field>,
     searches: Vec<RingSearch>,
@@ -126,55 +130,12 @@ pub struct Fsmd {
     shading: Shading,
 }
 
-/// One half of one press: how far its centre goes, and its outline.
-#[derive(Clone, Debug)]
-struct Field {
-    centre_mm: Vec3,
-    outline: Footprint,
-    tangential: bool,
-}
-
-/// An outline of any kind.
-#[derive(Clone, Debug)]
-enum Footprint {
-    Ellipse(Ellipse),
-    Printed(PrintedEllipse),
-    Polar(Polar),
-}
-
-impl Footprint {
-    fn scaled(&self, scale: f64) -> Option<Self> {
-        match self {
-            Self::Ellipse(o) => o.scaled(scale).map(Self::Ellipse),
-            Self::Printed(o) => o.scaled(scale).map(Self::Printed),
-            Self::Polar(o) => o.scaled(scale).map(Self::Polar),
-        }
-    }
-
-    #[inline(always)]
-    fn ratio(&self, at: Vec3) -> f64 {
-        match self {
-            Self::Ellipse(o) => o.ratio(at),
-            Self::Printed(o) => o.ratio(at),
-            Self::Polar(o) => o.ratio(at),
-        }
-    }
-}
-
-impl Field {
-    /// What the field adds at a point inside, mm.
-    #[inline(always)]
-    fn share(&self, curve: &Curve, at: Vec3) -> Vec3 {
-        self.centre_mm * curve.at(self.outline.ratio(at))
-    }
-}
-
 impl Fsmd {
     /// A model with the given settings.
     pub fn new(settings: Settings) -> Self {
         Self {
             settings,
-            patches: Patches::default(),
+            patches: Arc::default(),
             fields: Vec::new(),
             searches: Vec::new(),
             affected: Vec::new(),
@@ -201,23 +162,34 @@ impl Fsmd {
     pub fn displace(&mut self, surface: &Surface, presses: &[Press], out: &mut Displacement) {
         let updates = out.updates + 1;
         let n_vertices = surface.positions().len();
-        if out.offsets_mm.len() != n_vertices || out.normals.len() != n_vertices {
+        if out.n_vertices() != n_vertices {
             *out = Displacement::at_rest(surface);
         }
         out.updates = updates;
         self.prepare(surface);
+        if !out
+            .patches
+            .as_ref()
+            .is_some_and(|p| Arc::ptr_eq(p, &self.patches))
+        {
+            out.patches = Some(Arc::clone(&self.patches));
+        }
         self.fields.clear();
         for press in presses {
             if let Some(press) = sound(press, surface) {
                 self.add(surface, &press);
             }
         }
-        self.gather_affected(&out.moved);
-        out.moved.clear();
+        self.gather_affected(&out.moved_in);
+        out.moved_in.clear();
         self.shading.begin(&self.patches);
         for i in 0..self.affected.len() {
-            let changed = self.displace_patch(surface, self.affected[i], out);
-            self.shading.note(self.affected[i], changed);
+            let p = self.affected[i];
+            let displaced = self.displace_patch(p, out);
+            self.shading.note(p, displaced);
+            if out.moved[p as usize] != 0 {
+                out.moved_in.push(p);
+            }
         }
     }
 
@@ -247,14 +219,10 @@ impl Fsmd {
                 self.searches.push(RingSearch::default());
             }
             let search = &mut self.searches[self.fields.len()];
-            match &outline {
-                Footprint::Ellipse(o) => search.search(surface, &self.patches, o, press.triangle),
-                Footprint::Printed(o) => search.search(surface, &self.patches, o, press.triangle),
-                Footprint::Polar(o) => search.search(surface, &self.patches, o, press.triangle),
-            }
+            outline.search(search, surface, &self.patches, press.triangle);
             self.fields.push(Field {
                 centre_mm,
-                outline,
+                footprint: outline,
                 tangential,
             });
         }
@@ -271,8 +239,7 @@ impl Fsmd {
         self.affected.clear();
         let searches = &self.searches[..self.fields.len()];
         let now = searches.iter().flat_map(|s| s.found().iter().copied());
-        let before = moved_before.iter().map(|&v| self.patches.place(v).0);
-        for p in now.chain(before) {
+        for p in now.chain(moved_before.iter().copied()) {
             let seen = &mut self.affected_in[p as usize];
             if *seen != self.generation {
                 *seen = self.generation;
@@ -284,89 +251,115 @@ impl Fsmd {
     }
 
     /// Brings the offsets of one patch up to date; answers with the bits of the vertices whose offset changed.
-    fn displace_patch(&self, surface: &Surface, p: u32, out: &mut Displacement) -> u64 {
-        let vertices = self.patches.patch(p).vertices;
+    fn displace_patch(&self, p: u32, out: &mut Displacement) -> u64 {
+        let moved = &mut out.moved[p as usize];
+        let held = &mut out.offsets_mm[p as usize];
         let searches = self.fields.iter().zip(&self.searches);
-        let mut fields = searches
-            .map(|(field, search)| (field, search.inside(p)))
-            .filter(|&(_, inside)| inside != 0);
-        let Some((first, inside)) = fields.next() else {
-            return write(vertices, out, |_, _| Vec3::ZERO);
+        let mut fields = searches.filter(|(_, search)| search.inside(p) != 0);
+        let Some(first) = fields.next() else {
+            *moved = 0;
+            return put(held, &Block::ZERO).0;
         };
-        let positions = surface.positions();
-        let share =
-            |field: &Field, v: u32| field.share(&self.settings.curve, positions[v as usize]);
-        let Some(second) = fields.next() else {
-            if let (Some(bones), false) = (&self.settings.bones, first.tangential) {
-                return write(vertices, out, |i, v| {
-                    if inside >> i & 1 == 1 {
-                        bones.limited(v, share(first, v))
-                    } else {
-                        Vec3::ZERO
-                    }
-                });
-            }
+        let second = fields.next();
+        let changed;
+        if let (None, true) = (second, first.0.tangential || self.settings.bones.is_none()) {
             // The usual case, one field. It was cut at its centre already.
-            return if inside == self.patches.patch(p).all() {
-                write(vertices, out, |_, v| share(first, v))
+            let shares = self.shares(p, first);
+            (changed, *moved) = put_shares(held, first.0.centre_mm, &shares);
+            return changed;
+        }
+        let (mut normal, mut tangential) = (Block::ZERO, Block::ZERO);
+        let (mut n_normal, mut n_tangential) = (0, 0);
+        for field in std::iter::once(first).chain(second).chain(fields) {
+            let (sums, n) = if field.0.tangential {
+                (&mut tangential, &mut n_tangential)
             } else {
-                write(vertices, out, |i, v| {
-                    if inside >> i & 1 == 1 {
-                        share(first, v)
-                    } else {
-                        Vec3::ZERO
-                    }
-                })
+                (&mut normal, &mut n_normal)
             };
-        };
-        let mut normal = [Vec3::ZERO; PATCH];
-        let mut tangential = [Vec3::ZERO; PATCH];
-        for (field, inside) in [(first, inside), second].into_iter().chain(fields) {
-            let sums = if field.tangential {
-                &mut tangential
-            } else {
-                &mut normal
-            };
-            for (i, (sum, &v)) in sums.iter_mut().zip(vertices).enumerate() {
-                if inside >> i & 1 == 1 {
-                    *sum += share(field, v);
-                }
+            add(sums, field.0.centre_mm, &self.shares(p, field));
+            *n += 1;
+        }
+        if n_normal > 1 {
+            cut_all(&mut normal, self.settings.max_normal_mm);
+        }
+        if n_tangential > 1 {
+            cut_all(&mut tangential, self.settings.max_tangential_mm);
+        }
+        if let (Some(bones), 1..) = (&self.settings.bones, n_normal) {
+            for i in 0..BLOCK {
+                normal.set(i, bones.limited(vertex(p, i), normal.get(i)));
             }
         }
-        let (max_n, max_t) = (self.settings.max_normal_mm, self.settings.max_tangential_mm);
-        if let Some(bones) = &self.settings.bones {
-            return write(vertices, out, |i, v| {
-                bones.limited(v, cut(normal[i], max_n)) + cut(tangential[i], max_t)
-            });
+        for i in 0..BLOCK {
+            normal.x[i] += tangential.x[i];
+            normal.y[i] += tangential.y[i];
+            normal.z[i] += tangential.z[i];
         }
-        write(vertices, out, |i, _| {
-            cut(normal[i], max_n) + cut(tangential[i], max_t)
-        })
+        (changed, *moved) = put(held, &normal);
+        changed
+    }
+
+    /// The share that each vertex of a patch has in a field.
+    #[inline]
+    fn shares(&self, p: u32, (field, search): (&Field, &RingSearch)) -> Row {
+        let positions = self.patches.positions(p);
+        let mut shares = field.footprint.shares(&self.settings.curve, positions);
+        // What is outside has none; what is within and not found does not hang together with the finger.
+        for i in bits(search.within(p) & !search.inside(p)) {
+            shares[i] = 0.0;
+        }
+        shares
     }
 }
 
-/// Writes an offset for each of at most 64 vertices; answers with the bits of those that changed.
+/// Adds the share of a vector that each vertex has.
+#[inline]
+fn add(sums: &mut Block, centre: Vec3, shares: &Row) {
+    for (i, share) in shares.iter().enumerate() {
+        sums.x[i] += centre.x * share;
+        sums.y[i] += centre.y * share;
+        sums.z[i] += centre.z * share;
+    }
+}
+
+fn cut_all(sums: &mut Block, max_mm: f64) {
+    for i in 0..BLOCK {
+        sums.set(i, cut(sums.get(i), max_mm));
+    }
+}
+
+/// Writes an offset for each vertex of a patch; answers with the bits of those that changed, and of those not zero.
 #[inline(always)]
-fn write(vertices: &[u32], out: &mut Displacement, offset: impl Fn(usize, u32) -> Vec3) -> u64 {
-    let (mut changed, mut still) = (0, 0);
-    for (i, &v) in vertices.iter().enumerate() {
-        // Adding 0 turns −0 into 0, so that bits may be compared: no branch on each component.
-        let offset = offset(i, v) + Vec3::ZERO;
-        let held = &mut out.offsets_mm[v as usize];
-        let [x, y, z] = offset.to_array().map(f64::to_bits);
-        let [hx, hy, hz] = held.to_array().map(f64::to_bits);
-        changed |= u64::from((x ^ hx) | (y ^ hy) | (z ^ hz) != 0) << i;
-        still |= u64::from(x | y | z == 0) << i;
-        *held = offset;
+fn put_each(held: &mut Block, offset: impl Fn(usize) -> [f64; 3]) -> (u64, u64) {
+    let (mut same, mut still) = ([0_u64; BLOCK], [0_u64; BLOCK]);
+    let (mut n_same, mut n_still) = (0, 0);
+    for i in 0..BLOCK {
+        let [x, y, z] = offset(i);
+        same[i] = u64::from((x == held.x[i]) & (y == held.y[i]) & (z == held.z[i]));
+        still[i] = u64::from((x == 0.0) & (y == 0.0) & (z == 0.0));
+        n_same += same[i];
+        n_still += still[i];
+        held.x[i] = x;
+        held.y[i] = y;
+        held.z[i] = z;
     }
-    if still == 0 {
-        out.moved.extend_from_slice(vertices);
-    } else {
-        let numbered = vertices.iter().enumerate();
-        out.moved
-            .extend(numbered.filter_map(|(i, &v)| (still >> i & 1 == 0).then_some(v)));
-    }
-    changed
+    (unless(&same, n_same), unless(&still, n_still))
+}
+
+#[inline(never)]
+fn put(held: &mut Block, offsets: &Block) -> (u64, u64) {
+    put_each(held, |i| [offsets.x[i], offsets.y[i], offsets.z[i]])
+}
+
+#[inline(never)]
+fn put_shares(held: &mut Block, centre: Vec3, shares: &Row) -> (u64, u64) {
+    put_each(held, |i| {
+        [
+            centre.x * shares[i],
+            centre.y * shares[i],
+            centre.z * shares[i],
+        ]
+    })
 }
 
 impl Model for Fsmd {
@@ -376,7 +369,7 @@ impl Model for Fsmd {
 
     fn prepare(&mut self, surface: &Surface) {
         if !self.patches.are_of(surface) {
-            self.patches = Patches::new(surface);
+            self.patches = Arc::new(Patches::new(surface));
             self.shading.prepare(surface, &self.patches);
         }
     }
@@ -406,7 +399,8 @@ fn sound(press: &Press, surface: &Surface) -> Option<Press> {
 /// `v` shortened to `max_mm` where it is longer; nothing for a cap that is not positive.
 fn cut(v: Vec3, max_mm: f64) -> Vec3 {
     let length_sq = v.length_squared();
-    if length_sq <= max_mm * max_mm && max_mm > 0.0 {
+    // What has been cut once is not cut again.
+    if length_sq <= max_mm * max_mm * (1.0 + 1e-15) && max_mm > 0.0 {
         v
     } else if max_mm > 0.0 {
         v * (max_mm / length_sq.sqrt())
