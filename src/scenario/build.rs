@@ -128,6 +128,8 @@ pub fn build(
 
     step("Fitting the stiffness map", 0.8)?;
     let (map, stiffness) = stiffness(&scenario, &needs, &surface, &mut ledger)?;
+    step("Spreading the ellipse map", 0.9)?;
+    let (ellipse, ellipse_field) = ellipses(&scenario, &needs, &surface, &mut ledger)?;
     if needs.has(Item::Friction) {
         ledger.built(Item::Friction, size_of::<crate::contact::Friction>());
     }
@@ -157,8 +159,8 @@ pub fn build(
         surface,
         report: Arc::new(report),
         stiffness: map,
-        ellipse: None,
-        ellipse_field: None,
+        ellipse,
+        ellipse_field,
         touch,
         deform,
         mesh_origin,
@@ -205,12 +207,20 @@ pub fn rebuild(old: &Scene, scenario: Arc<Scenario>, purpose: Use) -> Result<Sce
     } else {
         stiffness(&scenario, &needs, &old.surface, &mut ledger)?
     };
+    let same_ellipses = was.ellipse == scenario.ellipse
+        && old.ledger.row(Item::EllipseField).built == needs.has(Item::EllipseField);
+    let (ellipse, ellipse_field) = if same_ellipses {
+        ledger.carry(Item::EllipseField, &old.ledger);
+        (old.ellipse.clone(), old.ellipse_field.clone())
+    } else {
+        ellipses(&scenario, &needs, &old.surface, &mut ledger)?
+    };
     Ok(Scene {
         surface: Arc::clone(&old.surface),
         report: Arc::clone(&old.report),
         stiffness: map,
-        ellipse: None,
-        ellipse_field: None,
+        ellipse,
+        ellipse_field,
         touch: TouchScene {
             stiffness: felt,
             fading: None,
@@ -267,6 +277,31 @@ fn stiffness(
         }
     };
     Ok((Arc::new(map), felt))
+}
+
+/// The ellipse map and its values at the vertices; neither where nothing needs them.
+type Ellipses = (Option<Arc<EllipseMap>>, Option<Arc<EllipseField>>);
+
+fn ellipses(
+    scenario: &Scenario,
+    needs: &Needs,
+    surface: &Surface,
+    ledger: &mut Ledger,
+) -> Result<Ellipses, BuildError> {
+    if !needs.has(Item::EllipseField) {
+        return Ok((None, None));
+    }
+    let started = Instant::now();
+    let map = scenario
+        .ellipse_map()
+        .map_err(|e| BuildError(e.to_string()))?;
+    let Some(map) = map else {
+        return Ok((None, None));
+    };
+    let field = map.per_vertex(surface);
+    ledger.built(Item::EllipseField, field.bytes());
+    ledger.cost(Item::EllipseField, us_since(started), "build");
+    Ok((Some(Arc::new(map)), Some(Arc::new(field))))
 }
 
 fn us_since(started: Instant) -> f64 {

@@ -137,7 +137,14 @@ impl Item {
                     "stiffness is the same everywhere",
                 )
             }
-            Self::EllipseField => LeftOut("one circle for all places"),
+            Self::EllipseField => {
+                let keyed = (scenario.ellipse.as_ref()).is_some_and(|(keys, _)| !keys.is_empty());
+                match (keyed, deformed) {
+                    (true, true) => Needed("[ellipse] keys"),
+                    (true, false) => LeftOut("nothing shows the skin"),
+                    (false, _) => LeftOut("one circle for all places"),
+                }
+            }
             Self::Friction => choose(
                 scenario.friction.is_some(),
                 "[friction]",
