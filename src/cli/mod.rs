@@ -6,6 +6,7 @@
 mod common;
 mod headless;
 mod lab;
+mod map;
 mod mesh;
 mod partition;
 mod replay;
@@ -75,6 +76,8 @@ enum Command {
     /// Look into mesh files, or write the built-in back.
     #[command(subcommand)]
     Mesh(mesh::MeshCommand),
+    /// Tell stiffness and ellipse at points of a scenario's maps; appendix C; the dissertation's worked example.
+    Map(map::MapArgs),
     /// Build a search structure over a mesh: statistics, checks, what a haptic detecting box gathers.
     Partition(partition::PartitionArgs),
     /// Run an experiment: tables, plots and what holds. "list" tells which there are.
@@ -115,6 +118,7 @@ pub fn main() -> u8 {
         Some(Command::Replay(args)) => replay::run(args, json),
         Some(Command::Scene(args)) => scene::run(args, json),
         Some(Command::Mesh(command)) => mesh::run(command, json),
+        Some(Command::Map(args)) => map::run(args, json),
         Some(Command::Partition(args)) => partition::run(args, json),
         Some(Command::Lab(args)) => lab::run(args, json),
     };

@@ -9,6 +9,7 @@
 //! | [`stiffness`] | the stiffness map: N/mm |
 //! | [`ellipse`] | the ellipse map: how far and which way a drag carries the skin (Ji 2008, 5.1–5.3) |
 //! | [`bone`] | how deep bone lies under the skin (Ji 2008, future work 1) |
+//! | [`printed`] | the dissertation's worked example and the figures to meet |
 //! | [`appendix`] | the measured ellipses of appendix C, their means and the seven keys |
 //! | [`fit`] | the functions that a stiffness map may choose from, one file each |
 //! | [`gri`] | Gaussian radial interpolation (Ji 2008, 5.2), as published and corrected: for ellipses, and one of the fits |
@@ -23,6 +24,7 @@ pub mod fit;
 pub mod gri;
 mod parallel;
 mod places;
+pub mod printed;
 pub mod stiffness;
 
 use crate::geom::Vec2;

@@ -9,7 +9,7 @@ pub struct Example {
     pub text: &'static str,
 }
 
-const EXAMPLES: [Example; 6] = [
+const EXAMPLES: [Example; 7] = [
     Example {
         file: "FIRST.toml",
         text: include_str!("../../assets/scenarios/FIRST.toml"),
@@ -29,6 +29,10 @@ const EXAMPLES: [Example; 6] = [
     Example {
         file: "fingertip.toml",
         text: include_str!("../../assets/scenarios/fingertip.toml"),
+    },
+    Example {
+        file: "fibres.toml",
+        text: include_str!("../../assets/scenarios/fibres.toml"),
     },
     Example {
         file: "published.toml",
