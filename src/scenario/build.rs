@@ -5,8 +5,9 @@ use super::{Ledger, Scenario, ScenarioError, SurfaceChoice, Use};
 use crate::contact::published::Published;
 use crate::contact::{Contact, ForceModel, Shading, Stiffness, TouchScene};
 use crate::deform::Press;
+use crate::deform::bones::Bones;
 use crate::deform::models::fsmd;
-use crate::maps::{EllipseField, EllipseMap, StiffnessMap};
+use crate::maps::{BoneMap, EllipseField, EllipseMap, StiffnessMap};
 use crate::partition::Partition as _;
 use crate::partition::bvh::Bvh;
 use crate::surface::io::UnitsFound;
@@ -33,7 +34,7 @@ pub struct Scene {
     pub ellipse_field: Option<Arc<EllipseField>>,
     /// What the servo gets (a copy is boxed and handed in).
     pub touch: TouchScene,
-    /// Settings of the drawn deformation.
+    /// Settings of the drawn deformation, with its bones.
     pub deform: fsmd::Settings,
     /// `builtin:back` or the mesh path as stated.
     pub mesh_origin: String,
@@ -153,7 +154,7 @@ pub fn build(
         shading,
         ..TouchScene::new(Arc::clone(&surface), search, stiffness)
     };
-    let deform = scenario.deform.clone();
+    let deform = deform(&scenario, &needs, &surface, &mut ledger)?;
     Ok(Scene {
         scenario,
         surface,
@@ -215,6 +216,17 @@ pub fn rebuild(old: &Scene, scenario: Arc<Scenario>, purpose: Use) -> Result<Sce
     } else {
         ellipses(&scenario, &needs, &old.surface, &mut ledger)?
     };
+    let same_bones =
+        was.bones == scenario.bones && old.deform.bones.is_some() == needs.has(Item::Bones);
+    let deform = if same_bones {
+        ledger.carry(Item::Bones, &old.ledger);
+        fsmd::Settings {
+            bones: old.deform.bones.clone(),
+            ..scenario.deform.clone()
+        }
+    } else {
+        deform(&scenario, &needs, &old.surface, &mut ledger)?
+    };
     Ok(Scene {
         surface: Arc::clone(&old.surface),
         report: Arc::clone(&old.report),
@@ -226,7 +238,7 @@ pub fn rebuild(old: &Scene, scenario: Arc<Scenario>, purpose: Use) -> Result<Sce
             fading: None,
             ..old.touch.clone()
         },
-        deform: scenario.deform.clone(),
+        deform,
         mesh_origin: old.mesh_origin.clone(),
         mesh_units: old.mesh_units.clone(),
         scenario,
@@ -302,6 +314,30 @@ fn ellipses(
     ledger.built(Item::EllipseField, field.bytes());
     ledger.cost(Item::EllipseField, us_since(started), "build");
     Ok((Some(Arc::new(map)), Some(Arc::new(field))))
+}
+
+/// The settings of the deformation, with the bones under the surface where they are needed.
+fn deform(
+    scenario: &Scenario,
+    needs: &Needs,
+    surface: &Surface,
+    ledger: &mut Ledger,
+) -> Result<fsmd::Settings, BuildError> {
+    let started = Instant::now();
+    let bones = match &scenario.bones {
+        Some(choice) if needs.has(Item::Bones) => {
+            let map = BoneMap::new(choice.keys.clone()).map_err(|e| BuildError(e.to_string()))?;
+            let bones = Bones::new(&map, surface, choice.settings);
+            ledger.built(Item::Bones, bones.bytes());
+            ledger.cost(Item::Bones, us_since(started), "build");
+            Some(Arc::new(bones))
+        }
+        _ => None,
+    };
+    Ok(fsmd::Settings {
+        bones,
+        ..scenario.deform.clone()
+    })
 }
 
 fn us_since(started: Instant) -> f64 {

@@ -1,7 +1,7 @@
 //! The scenario file: TOML with units in the key names, checked down to line and value.
 
 use super::check::Check;
-use super::deformation::DeformationTable;
+use super::deformation::{BonesChoice, BonesTable, DeformationTable};
 use super::feel::{ContactTable, ForceTable};
 use super::maps::{EllipseTable, StiffnessTable};
 use crate::contact::{Choices, Friction, published};
@@ -55,8 +55,10 @@ pub struct Scenario {
     pub choices: Choices,
     /// Present: felt by the published haptic pass; absent: by the production engine.
     pub published: Option<published::Options>,
-    /// Footprint and caps of the drawn deformation.
+    /// Curve, footprint and caps of the drawn deformation; its bones are added when a scene is built.
     pub deform: fsmd::Settings,
+    /// Bone under the surface; absent: nowhere near.
+    pub bones: Option<BonesChoice>,
     /// The file, whole, as read.
     pub source: String,
     /// Folder that relative paths start from; `None` for embedded scenarios.
@@ -82,6 +84,7 @@ struct File {
     contact: Option<ContactTable>,
     ellipse: Option<EllipseTable>,
     deformation: Option<DeformationTable>,
+    bones: Option<Spanned<BonesTable>>,
 }
 
 #[derive(Deserialize)]
@@ -155,6 +158,9 @@ impl Scenario {
             published: (file.contact.as_ref()).map_or(Ok(None), |t| check.published(t))?,
             choices: check.choices(file.force.as_ref(), file.contact.as_ref())?,
             deform,
+            bones: (file.bones.as_ref())
+                .map(|t| check.bones(t, on_back))
+                .transpose()?,
             source: text.to_owned(),
             folder: folder.map(Path::to_owned),
         })

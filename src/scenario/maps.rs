@@ -72,7 +72,7 @@ struct EllipseKeyTable {
 pub(super) const DEFAULT_FALLOFF: &str = "gaussian";
 
 /// Map coordinates allowed, mm: a hundred times a back, so that a mistaken unit is noticed.
-const MAP_MM: RangeInclusive<f64> = -50_000.0..=50_000.0;
+pub(super) const MAP_MM: RangeInclusive<f64> = -50_000.0..=50_000.0;
 const STIFFNESS_N_PER_MM: RangeInclusive<f64> = 0.001..=10_000.0;
 const ANGLES_DEG: RangeInclusive<f64> = -360.0..=360.0;
 /// Subjects of appendix C.

@@ -14,6 +14,7 @@ mod maps;
 mod needs;
 
 pub use build::{BuildError, Scene, build, rebuild};
+pub use deformation::{BonesChoice, CURVE_SAMPLES};
 pub use file::{FORMAT, Scenario, ScenarioError, SurfaceChoice};
 pub use library::{Example, default_example, examples};
 pub use needs::{Item, Ledger, LedgerRow, Needs, Use, Verdict};

@@ -48,6 +48,8 @@ pub enum Item {
     Deformation,
     /// Its tangential half.
     TangentialField,
+    /// Depth to bone per vertex: limits and narrows dents.
+    Bones,
     /// Vertex buffers for the window.
     GraphicsMesh,
     /// A number per vertex that colours the skin.
@@ -62,7 +64,7 @@ pub enum Item {
 
 impl Item {
     /// Every part, in the order of the ledger.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Surface,
         Self::Search,
         Self::StiffnessField,
@@ -74,6 +76,7 @@ impl Item {
         Self::ForceShading,
         Self::Deformation,
         Self::TangentialField,
+        Self::Bones,
         Self::GraphicsMesh,
         Self::SurfaceColour,
         Self::PartitionTree,
@@ -95,6 +98,7 @@ impl Item {
             Self::ForceShading => "Force shading",
             Self::Deformation => "Deformation",
             Self::TangentialField => "Tangential field",
+            Self::Bones => "Bones",
             Self::GraphicsMesh => "Graphics mesh",
             Self::SurfaceColour => "Surface colour",
             Self::PartitionTree => "Partition tree",
@@ -176,6 +180,11 @@ impl Item {
             Self::TangentialField => match (deformed, scenario.friction.is_some()) {
                 (true, true) => Needed("friction drags the drawn skin"),
                 (true, false) => LeftOut("without friction nothing is dragged"),
+                (false, _) => LeftOut("nothing shows the skin"),
+            },
+            Self::Bones => match (deformed, &scenario.bones) {
+                (true, Some(_)) => Needed("[bones]"),
+                (true, None) => LeftOut("the scenario has no [bones]"),
                 (false, _) => LeftOut("nothing shows the skin"),
             },
             Self::GraphicsMesh => choose(purpose.drawn, "back view", "no back view is open"),
