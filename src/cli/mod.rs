@@ -4,6 +4,7 @@
 //! names the cause and the remedy. With `--json` one JSON document stands on stdout and nothing else.
 
 mod common;
+mod deform;
 mod headless;
 mod lab;
 mod map;
@@ -80,6 +81,8 @@ enum Command {
     Map(map::MapArgs),
     /// Build a search structure over a mesh: statistics, checks, what a haptic detecting box gathers.
     Partition(partition::PartitionArgs),
+    /// Press the drawn skin once: what moves, strain, timings, and the deformed mesh as PLY.
+    Deform(deform::DeformArgs),
     /// Run an experiment: tables, plots and what holds. "list" tells which there are.
     Lab(lab::LabArgs),
 }
@@ -120,6 +123,7 @@ pub fn main() -> u8 {
         Some(Command::Mesh(command)) => mesh::run(command, json),
         Some(Command::Map(args)) => map::run(args, json),
         Some(Command::Partition(args)) => partition::run(args, json),
+        Some(Command::Deform(args)) => deform::run(args, json),
         Some(Command::Lab(args)) => lab::run(args, json),
     };
     match outcome {
