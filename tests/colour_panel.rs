@@ -312,6 +312,32 @@ fn keys_go_through_the_list_and_the_choice_is_remembered() {
 }
 
 #[test]
+fn footprints_of_a_press_are_drawn_when_asked_for_and_only_then() {
+    let Some(mut window) = Window::open(true, "") else {
+        return;
+    };
+    window.press(6.0);
+    let without = window.settle();
+    window.harness.get_by_label("Footprints").click();
+    window.frames(2);
+    let blue = |[r, _, b]: [u8; 3]| b > 150 && b > r.saturating_add(80);
+    let with = window.settle();
+    with.keep("footprints.png");
+    let drawn = with.differing(&without, 20).into_iter();
+    let lines = drawn.filter(|&[x, y]| {
+        let at = |image: &Image| image.at(f64::from(x), f64::from(y));
+        y > 110 && blue(at(&with)) && !blue(at(&without))
+    });
+    assert!(lines.count() > 250);
+    window.view.lock().unwrap().fingers.clear();
+    window.frames(2);
+    let lifted = window.settle();
+    let places = (111..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y)));
+    let left = places.filter(|&(x, y)| blue(lifted.at(f64::from(x), f64::from(y))));
+    assert!(left.count() < 20);
+}
+
+#[test]
 fn the_legend_stands_beside_the_picture() {
     let Some(window) = Window::open(true, "colour=strain") else {
         return;

@@ -6,11 +6,13 @@
 //! | [`model`] | what of the fingers is shown, in mm, N and N/mm |
 //! | `gesture` | what a drag, wheel or key means |
 //! | `skin` | how the fingers deform the drawn skin |
+//! | `footprints` | how far a press reaches |
 //! | `colour`, `ramp` | what colours it, and the legend of that |
 //! | `stage` | what the paint callback needs |
 //! | `overlay`, `toolbar` | numbers, scale, hint and buttons over the picture |
 
 mod colour;
+mod footprints;
 mod gesture;
 pub mod model;
 mod overlay;
@@ -48,6 +50,8 @@ pub struct Options {
     pub arrows: bool,
     /// Names of landmarks.
     pub landmarks: bool,
+    /// How far presses reach.
+    pub footprints: bool,
 }
 
 impl Default for Options {
@@ -56,6 +60,7 @@ impl Default for Options {
             wireframe: false,
             arrows: true,
             landmarks: false,
+            footprints: false,
         }
     }
 }

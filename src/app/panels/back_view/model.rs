@@ -162,13 +162,13 @@ pub fn is_seen(scene: &Scene, camera: &Camera, point_mm: Vec3) -> bool {
         .is_none()
 }
 
-/// The presses that deform the skin, in the order of the fingers. A record of another scene, whose triangle this one does
-/// not have, is left out.
-pub fn presses(records: &[FingerRecord], scene: &Scene) -> Vec<Press> {
+/// The presses that deform the skin, each with its finger, in the order of the fingers. A record of another scene, whose
+/// triangle this one does not have, is left out.
+pub fn presses(records: &[FingerRecord], scene: &Scene) -> (Vec<usize>, Vec<Press>) {
     records
         .iter()
-        .filter_map(|r| scene.press(&r.contact))
-        .collect()
+        .filter_map(|r| Some((usize::from(r.finger), scene.press(&r.contact)?)))
+        .unzip()
 }
 
 /// Whether two sets of presses differ by more than can be seen: a hand at rest still trembles by nanometres.

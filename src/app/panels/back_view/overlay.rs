@@ -48,6 +48,9 @@ pub fn show(ui: &mut egui::Ui, rect: egui::Rect, shown: &Shown<'_>) {
     if shown.options.landmarks {
         landmarks(&painter, rect, shown);
     }
+    if shown.options.footprints {
+        footprints(&painter, rect, shown);
+    }
     for finger in shown.fingers {
         finger_marks(&painter, rect, shown, finger);
     }
@@ -95,6 +98,36 @@ fn landmarks(painter: &egui::Painter, rect: egui::Rect, shown: &Shown<'_>) {
                 mark.text.clone(),
                 FontId::proportional(11.0),
             );
+        }
+    }
+}
+
+/// The boundaries of the presses where they face the eye: outer lines drawn out, inner ones dashed.
+fn footprints(painter: &egui::Painter, rect: egui::Rect, shown: &Shown<'_>) {
+    let scene = shown.skin.scene();
+    for boundary in shown.skin.boundaries() {
+        let seen = |&[rest, carried]: &[Vec3; 2]| {
+            let seen = model::is_seen(scene, shown.camera, rest);
+            on_screen(rect, shown.camera, carried).filter(|_| seen)
+        };
+        let points: Vec<_> = (boundary.points.iter())
+            .map(|p| p.as_ref().and_then(seen))
+            .collect();
+        // A dark line under the coloured one: it is seen on any skin.
+        let strokes = [
+            Stroke::new(3.2, Color32::from_black_alpha(120)),
+            Stroke::new(1.6, shown.theme.finger(boundary.finger)),
+        ];
+        for stroke in strokes {
+            for i in 0..points.len() {
+                let next = points[(i + 1) % points.len()];
+                let (Some(a), Some(b)) = (points[i], next) else {
+                    continue;
+                };
+                if boundary.tangential || i % 2 == 0 {
+                    painter.line_segment([a, b], stroke);
+                }
+            }
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The drawn skin of one scene: deformed by the fingers, only where they changed it.
 
+use super::footprints::{self, Boundary};
 use super::model::{self, Mark};
 use super::stage::SharedStage;
 use crate::app::state::{PartCost, Parts};
@@ -19,10 +20,14 @@ pub struct DrawnSkin {
     displacement: Displacement,
     /// What the skin is deformed by; `None` where that is to be found anew.
     presses: Option<Vec<Press>>,
+    /// The finger of each press.
+    fingers: Vec<usize>,
     /// Cost of the last update that had something to do, µs.
     update_us: Option<f64>,
     /// Found when they are first shown.
     marks: OnceCell<Vec<Mark>>,
+    /// The same, anew for each update.
+    boundaries: OnceCell<Vec<Boundary>>,
 }
 
 impl DrawnSkin {
@@ -32,8 +37,10 @@ impl DrawnSkin {
             model: Box::new(Fsmd::new(scene.deform.clone())),
             displacement: Displacement::at_rest(&scene.surface),
             presses: Some(Vec::new()),
+            fingers: Vec::new(),
             update_us: None,
             marks: OnceCell::new(),
+            boundaries: OnceCell::new(),
             scene,
             generation,
         }
@@ -80,10 +87,19 @@ impl DrawnSkin {
         self.marks.get_or_init(|| model::marks(&self.scene))
     }
 
+    /// How far the presses reach.
+    pub fn boundaries(&self) -> &[Boundary] {
+        self.boundaries.get_or_init(|| {
+            let presses = self.presses.iter().flatten();
+            let presses: Vec<_> = self.fingers.iter().copied().zip(presses).collect();
+            footprints::boundaries(&self.scene, &self.displacement, &presses)
+        })
+    }
+
     /// Follows the fingers and hands what changed to the stage; answers whether there was anything. Does nothing while they
     /// rest.
     pub fn update(&mut self, fingers: &[FingerRecord], stage: &SharedStage) -> bool {
-        let presses = model::presses(fingers, &self.scene);
+        let (fingers, presses) = model::presses(fingers, &self.scene);
         let before = self.presses.as_ref();
         if before.is_some_and(|before| !model::differ(&presses, before)) {
             return false;
@@ -92,7 +108,8 @@ impl DrawnSkin {
         self.model
             .update(&self.scene.surface, &presses, &mut self.displacement);
         self.update_us = Some(start.elapsed().as_secs_f64() * 1e6);
-        self.presses = Some(presses);
+        (self.fingers, self.presses) = (fingers, Some(presses));
+        self.boundaries = OnceCell::new();
         if let Some(mesh) = &mut stage.lock().mesh {
             mesh.update(&self.displacement);
         }

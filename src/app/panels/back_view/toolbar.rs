@@ -104,6 +104,12 @@ impl BackView {
                 "Landmarks",
                 "Name the vertebrae and other landmarks under the skin",
             ),
+            (
+                &mut o.footprints,
+                icon::ICON_RADIO_BUTTON_UNCHECKED,
+                "Footprints",
+                "Show how far each press reaches: a drag of the finger to the outer line, its dent to the inner one",
+            ),
         ] {
             if toggle(ui, *on, icon, name, why) {
                 *on = !*on;

@@ -18,6 +18,7 @@
 //! are [`bones`](crate::deform::bones), they narrow normal footprints, and limit the normal sum after its cap.
 
 mod field;
+mod outline;
 
 use crate::deform::blocks::{BLOCK, Block, Row, bits, unless, vertex};
 use crate::deform::bones::Bones;
@@ -103,6 +104,17 @@ impl Settings {
             (Kind::Irregular, Some(radii_mm)) => Polar::new(o, n, radii_mm).map(Footprint::Polar),
             (Kind::Ellipse | Kind::Irregular, _) => ellipse(),
         }
+    }
+
+    /// The tangential and the normal footprint of a press, each `None` when it is empty. Bones narrow the normal one.
+    fn footprints_at(&self, surface: &Surface, press: &Press) -> [Option<Footprint>; 2] {
+        let mut scale = self.normal_scale(press.depth_mm);
+        if let Some(bones) = &self.bones {
+            scale *= bones.narrowing(surface, press.triangle, press.anchor_mm);
+        }
+        let wide = self.footprint_at(press);
+        let narrow = wide.as_ref().and_then(|f| f.scaled(scale));
+        [wide, narrow]
     }
 
     /// Scale of the normal footprint at a depth, mm.
@@ -202,16 +214,11 @@ impl Fsmd {
     /// Adds the fields of one press and finds what they move.
     fn add(&mut self, surface: &Surface, press: &Press) {
         let s = &self.settings;
-        let footprint = s.footprint_at(press);
+        let [wide, narrow] = s.footprints_at(surface, press);
         let pull = cut(press.foot_mm - press.anchor_mm, s.max_tangential_mm);
         let dent = -press.normal * press.depth_mm.min(s.max_normal_mm.max(0.0));
-        let mut scale = s.normal_scale(press.depth_mm);
-        if let Some(bones) = &s.bones {
-            scale *= bones.narrowing(surface, press.triangle, press.anchor_mm);
-        }
-        let narrow = footprint.as_ref().and_then(|f| f.scaled(scale));
         let narrow = narrow.filter(|_| dent != Vec3::ZERO && dent.is_finite());
-        let wide = footprint.filter(|_| s.tangential && pull != Vec3::ZERO);
+        let wide = wide.filter(|_| s.tangential && pull != Vec3::ZERO);
         let halves = [(wide, pull, true), (narrow, dent, false)];
         for (outline, centre_mm, tangential) in halves {
             let Some(outline) = outline else { continue };
