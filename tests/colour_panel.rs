@@ -18,7 +18,7 @@ use dorsum::app::state::View;
 use dorsum::app::theme::Theme;
 use dorsum::contact::Stiffness;
 use dorsum::partition::Partition as _;
-use dorsum::scenario::{Item, Ledger, Scene};
+use dorsum::scenario::{self, Item, Ledger, Scenario, Scene, Use};
 use egui_kittest::{Harness, TestRenderer, kittest::NodeT as _, kittest::Queryable as _};
 use gl::{Api, Image, OffScreen, Painter};
 use std::cell::RefCell;
@@ -216,6 +216,51 @@ fn the_legend_says_what_the_data_are() {
         .click();
     window.frames(3);
     assert!(window.shows("Colour by Direction: the basic circle everywhere"));
+}
+
+#[test]
+fn a_scene_with_measured_fibres_shows_its_ellipses() {
+    let Some(mut window) = Window::open(true, "colour=half-major") else {
+        return;
+    };
+    let examples = scenario::examples();
+    let example = examples.iter().find(|e| e.file == "fibres.toml").unwrap();
+    let parsed = Scenario::parse(example.text, example.file, None).unwrap();
+    let purpose = Use {
+        drawn: true,
+        deformed: true,
+        ..Use::default()
+    };
+    let scene = scenario::build(Arc::new(parsed), purpose, &mut |_, _| true).unwrap();
+    let field = scene.ellipse_field.clone().unwrap();
+    let ovals: Vec<_> = (0..scene.surface.positions().len() as u32)
+        .map(|v| field.vertex(v))
+        .collect();
+    {
+        let mut view = window.view.lock().unwrap();
+        view.scene = Some(Arc::new(scene));
+        view.scene_generation += 1;
+    }
+    window.frames(3);
+    let ends = |window: &Window| {
+        ["Lower end of the range", "Upper end of the range"].map(|name| window.end(name))
+    };
+    let span = |of: &dyn Fn(&dorsum::maps::Oval) -> f64| {
+        let values = ovals.iter().map(of);
+        [
+            values.clone().fold(f64::INFINITY, f64::min),
+            values.fold(f64::NEG_INFINITY, f64::max),
+        ]
+    };
+    let close = |a: [f64; 2], b: [f64; 2]| (0..2).all(|k| (a[k] - b[k]).abs() < 1e-4);
+    let told = span(&|oval| oval.half_major_mm);
+    assert!(told[0] < 140.0 && told[1] > 170.0, "{told:?}");
+    assert!(close(ends(&window), told), "{:?}", ends(&window));
+    assert!(!window.shows("the basic circle everywhere"));
+    window.choose("Colour by Major over minor axis");
+    assert!(close(ends(&window), span(&|oval| oval.major_over_minor())));
+    window.choose("Colour by Direction");
+    assert!(window.shows("degrees") && window.held() == Some(4 * ovals.len()));
 }
 
 #[test]
