@@ -218,13 +218,29 @@ fn an_edited_scene_is_saved_to_its_file_and_what_is_not_saved_is_kept() {
 
     edited(&mut harness, 0.8);
     let copy = folder.path().join("copy");
-    send(&mut harness, Command::SaveScenarioAs(copy));
+    let save_as = |path: PathBuf| Command::SaveScenarioAs {
+        path,
+        replace: false,
+    };
+    send(&mut harness, save_as(copy));
     wait_for(&mut harness, "the copy", |w| !view(w).unsaved);
     let copy = folder.path().join("copy.toml");
     assert_eq!(std::fs::read_to_string(&copy).unwrap(), with_stiffness(0.8));
     assert_eq!(std::fs::read_to_string(&path).unwrap(), with_stiffness(0.6));
     let bench = harness.state().shared().clone();
     assert_eq!(bench.bench().scenario_path(), Some(copy.as_path()));
+
+    // Another file that is there is not replaced unasked.
+    let other = folder.path().join("other.toml");
+    std::fs::write(&other, "words").unwrap();
+    send(&mut harness, save_as(other.clone()));
+    assert!(
+        said(harness.state())
+            .last()
+            .unwrap()
+            .contains("there already")
+    );
+    assert_eq!(std::fs::read_to_string(&other).unwrap(), "words");
 
     // Someone else writes to it: their words are not lost.
     edited(&mut harness, 0.9);

@@ -2,10 +2,13 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use dorsum::scenario::{self, Scenario, Use};
 use dorsum::servo::FingerRecord;
-use dorsum::session::{Entry, IfExists, Session, SessionWriter, Strictness};
+use dorsum::servo::{Rig, tick};
+use dorsum::session::{Entry, IfExists, Session, SessionWriter, Strictness, input_of};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::Arc;
 
 fn dorsum(arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_dorsum"));
@@ -145,4 +148,71 @@ fn bad_input_is_one_line_and_exit_code_2() {
     let output = dorsum(&["replay", path, "--scenario", other]);
     let error = String::from_utf8_lossy(&output.stderr);
     assert!(error.contains("recorded on surface"), "{error}");
+}
+
+/// The recorded run with an edit of the stiffness in the middle of its press; `told`: its text is in the file.
+fn edited(from: &Path, to: &Path, told: bool) {
+    let session = Session::open(from).unwrap();
+    let header = session.header();
+    let parsed = |text: &str| Arc::new(Scenario::parse(text, "a.toml", None).unwrap());
+    let first = parsed(&header.scenario_toml);
+    let scene = scenario::build(Arc::clone(&first), Use::default(), &mut |_, _| true).unwrap();
+    let keys = first
+        .stiffness_keys
+        .iter()
+        .map(|k| dorsum::maps::StiffnessKey {
+            stiffness_n_per_mm: 2.0 * k.stiffness_n_per_mm,
+            ..*k
+        });
+    let keys: Vec<_> = keys.collect();
+    let text = scenario::edit::with_stiffness(&first.source, &keys, first.stiffness_fit, &[]);
+    let text = text.unwrap();
+    let after = scenario::rebuild(&scene, parsed(&text), Use::default()).unwrap();
+    let mut rig = Rig::new(Box::new(scene.touch.clone()), header.limits());
+    let mut writer = SessionWriter::create(to, header, IfExists::Refuse).unwrap();
+    for (i, recorded) in session.ticks(Strictness::Strict).unwrap().enumerate() {
+        if i == 1000 {
+            if told {
+                writer.edit(1, &text.as_str().into()).unwrap();
+            }
+            drop(rig.edit_scene(1, Box::new(after.touch.clone())));
+        }
+        let out = tick(&mut rig, &input_of(&recorded.unwrap()), header.dt_s());
+        for finger in out.fingers() {
+            writer.write(finger).unwrap();
+        }
+    }
+    writer.finish().unwrap();
+}
+
+#[test]
+fn a_run_with_an_edit_is_bit_exact_and_one_without_its_text_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = recorded(folder.path());
+    let [with, without] = ["with.mcap", "without.mcap"].map(|n| folder.path().join(n));
+    edited(&path, &with, true);
+    let output = dorsum(&["replay", with.to_str().unwrap(), "--check"]);
+    let text = stdout(&output);
+    assert_eq!(output.status.code(), Some(0), "{text}");
+    let last = text.lines().last();
+    assert_eq!(last, Some("bit-exact: 2001 ticks of 1 finger"));
+    assert!(
+        text.contains("\nedits                1 of the scene"),
+        "{text}"
+    );
+
+    edited(&path, &without, false);
+    let output = dorsum(&["replay", without.to_str().unwrap(), "--check"]);
+    let text = stdout(&output);
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    let told = text.lines().find(|l| l.starts_with("not repeated"));
+    let told = told.unwrap();
+    assert!(
+        told.contains(" 1001 ticks; ") && told.contains("tick 1000 was felt after edit 1"),
+        "{told}"
+    );
+    assert!(
+        text.ends_with("bit-exact: 1000 ticks of 1 finger\n"),
+        "{text}"
+    );
 }

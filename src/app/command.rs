@@ -25,7 +25,12 @@ pub enum Command {
         source: String,
     },
     /// Write the open scene to a file, which is its own from then on.
-    SaveScenarioAs(PathBuf),
+    SaveScenarioAs {
+        /// The file.
+        path: PathBuf,
+        /// Someone has said that one that is there may be replaced.
+        replace: bool,
+    },
     /// Stop building the scene that is being built.
     CancelBuild,
     /// Switch force output on or off.

@@ -30,7 +30,11 @@ pub fn save_scenario(send: &CommandSender, folder: Option<PathBuf>, name: String
             Some(folder) => dialog.set_directory(folder),
             None => dialog,
         };
-        dialog.save_file().map(Command::SaveScenarioAs)
+        // The dialog asks before it names a file that is there.
+        let replace = true;
+        dialog
+            .save_file()
+            .map(|path| Command::SaveScenarioAs { path, replace })
     });
 }
 

@@ -65,13 +65,21 @@ impl Bench {
         self.write_scenario(path, Some(before));
     }
 
-    /// Writes the open scene to `path`, which is its file from then on.
-    pub fn save_scenario_as(&mut self, path: PathBuf) {
+    /// Writes the open scene to `path`, which is its file from then on. Another file that is there is replaced only if someone
+    /// has said so.
+    pub fn save_scenario_as(&mut self, path: PathBuf, replace: bool) {
         let path = match path.extension() {
             Some(_) => path,
             None => path.with_extension("toml"),
         };
-        self.write_scenario(path, None);
+        if Some(path.as_path()) == self.scenario_path() {
+            self.save_scenario();
+        } else if path.exists() && !replace {
+            let what = "is there already; give another name";
+            self.tell(Level::Error, format!("{}: {what}", path.display()));
+        } else {
+            self.write_scenario(path, None);
+        }
     }
 
     /// `before`: what the file must still hold, else someone else has changed it.

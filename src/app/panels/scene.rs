@@ -91,18 +91,31 @@ impl ScenePanel {
                 .add(
                     egui::TextEdit::singleline(&mut self.path)
                         .hint_text("folder/scenario.toml")
-                        .desired_width((ui.available_width() - 70.0).max(60.0)),
+                        .desired_width((ui.available_width() - 120.0).max(60.0)),
                 )
                 .labelled_by(label.id)
                 .on_hover_text("A scenario file by its path, where there is no file dialog");
+            let named = !self.path.trim().is_empty();
             let entered = field.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
             let button = ui
-                .add_enabled(!self.path.trim().is_empty(), egui::Button::new("Open"))
+                .add_enabled(named, egui::Button::new("Open"))
                 .on_hover_text("Open the scenario at this path");
             crate::app::widgets::named(ui, &button, "Open scenario path");
-            if (entered || button.clicked()) && !self.path.trim().is_empty() {
-                cx.send
-                    .send(Command::OpenScenario(PathBuf::from(self.path.trim())));
+            let path = || PathBuf::from(self.path.trim());
+            if (entered || button.clicked()) && named {
+                cx.send.send(Command::OpenScenario(path()));
+            }
+            let live = cx.view.scene.is_some() && cx.view.playback.is_none();
+            let button = ui
+                .add_enabled(named && live, egui::Button::new("Save"))
+                .on_hover_text("Write the open scene, as edited, to this path");
+            crate::app::widgets::named(ui, &button, "Save scenario to path");
+            if button.clicked() {
+                let replace = false;
+                cx.send.send(Command::SaveScenarioAs {
+                    path: path(),
+                    replace,
+                });
             }
         });
     }

@@ -16,7 +16,9 @@ impl Workbench {
             Command::OpenScenario(path) => shared.bench().open(Source::File(path)),
             Command::OpenExample(file) => shared.bench().open_example(file),
             Command::EditScene { source } => shared.bench().edit_scene(source),
-            Command::SaveScenarioAs(path) => shared.bench().save_scenario_as(path),
+            Command::SaveScenarioAs { path, replace } => {
+                shared.bench().save_scenario_as(path, replace);
+            }
             Command::CancelBuild => shared.bench().cancel_build(),
             Command::EnableForce(on) => shared.bench().enable_force(on),
             Command::OpenRecording(path) => shared.bench().open_recording(path),
