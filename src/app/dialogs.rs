@@ -63,6 +63,44 @@ pub fn save_recording(send: &CommandSender, from: PathBuf) {
     });
 }
 
+/// Asks for a file with a table; `then` gets its path.
+pub fn open_table(
+    send: &CommandSender,
+    what: &'static str,
+    then: impl FnOnce(PathBuf) + Send + 'static,
+) {
+    ask(send, what, move |dialog| {
+        let picked = dialog
+            .set_title(format!("Import {what}"))
+            .add_filter("Table", &["csv"])
+            .pick_file();
+        answered(picked, then)
+    });
+}
+
+/// Asks where to write a table; `then` gets its path.
+pub fn save_table(
+    send: &CommandSender,
+    what: &'static str,
+    file_name: &'static str,
+    then: impl FnOnce(PathBuf) + Send + 'static,
+) {
+    ask(send, what, move |dialog| {
+        let picked = dialog
+            .set_title(format!("Export {what}"))
+            .add_filter("Table", &["csv"])
+            .set_file_name(file_name)
+            .save_file();
+        answered(picked, then)
+    });
+}
+
+/// Hands a picked path on; a dialog that was closed without one is no command.
+fn answered(picked: Option<PathBuf>, then: impl FnOnce(PathBuf)) -> Option<Command> {
+    then(picked?);
+    None
+}
+
 fn ask(
     send: &CommandSender,
     what: &'static str,

@@ -12,6 +12,7 @@
 //! | [`mod@bench`] | what runs behind the window: scene, servo, recorder, replay |
 //! | [`shell`] | menu, dock, own windows, status bar, keys |
 //! | [`dock`] | where the panels are |
+//! | [`editor`] | what the map editors share |
 //! | [`study`] | the tree of cells that is looked at |
 //! | [`messages`] | what the workbench had to say |
 //! | [`render`] | the skin on the graphics card; the only place for `f32` |
@@ -22,6 +23,7 @@ pub mod colours;
 pub mod command;
 mod dialogs;
 pub mod dock;
+pub mod editor;
 pub mod history;
 mod launch;
 mod libraries;
