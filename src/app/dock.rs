@@ -398,7 +398,14 @@ mod tests {
         assert!(layout.fits(&panels));
         let closed = panels.iter().filter(|p| layout.is_closed(p.key));
         let closed: Vec<_> = closed.map(|p| p.key).collect();
-        assert_eq!(closed, [crate::app::panels::partition::KEY]);
+        assert_eq!(
+            closed,
+            [
+                crate::app::panels::partition::KEY,
+                crate::app::panels::ellipse_map::KEY,
+                crate::app::panels::stiffness_map::KEY,
+            ]
+        );
         let mut main = panels.iter().filter(|p| p.home == Home::Main);
         let open: Vec<_> = main.by_ref().filter(|p| p.opens_at_first).collect();
         assert_eq!(open.len(), 1, "one panel takes the left two thirds");

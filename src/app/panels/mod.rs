@@ -1,12 +1,14 @@
 //! The panels: one file each, listed once.
 
 pub mod back_view;
+pub mod ellipse_map;
 mod legend;
 mod messages;
 pub mod partition;
 mod plots;
 mod recorder;
 mod scene;
+pub mod stiffness_map;
 mod timing;
 
 pub use plots::KEY as PLOTS_KEY;
@@ -68,5 +70,7 @@ pub fn all() -> Vec<Box<dyn Panel>> {
         Box::new(partition::PartitionPanel::default()),
         Box::new(recorder::Recorder::default()),
         Box::new(messages::MessagesPanel::default()),
+        Box::new(ellipse_map::EllipseMapPanel::default()),
+        Box::new(stiffness_map::StiffnessMapPanel::default()),
     ]
 }
