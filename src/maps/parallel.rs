@@ -3,8 +3,8 @@
 use crate::geom::Vec3;
 use std::sync::{Mutex, PoisonError};
 
-/// Vertices a thread takes at a time: some milliseconds of work, against tens of µs for starting a thread.
-const PART: usize = 16_384;
+/// Vertices a thread takes at a time: half a millisecond of work or more, against tens of µs for starting a thread.
+const PART: usize = 2048;
 
 /// Sets every value from its position. `reader` makes what a thread reads with; what it answers must depend on the position
 /// alone.
