@@ -1,6 +1,6 @@
 //! The ring search against its definition: everything inside the outline that hangs together with the start triangle.
 
-use dorsum::deform::footprint::{Ellipse, Outline};
+use dorsum::deform::footprint::{Ellipse, Outline, Polar, PrintedEllipse};
 use dorsum::deform::{Patches, RingSearch};
 use dorsum::geom::Vec3;
 use dorsum::surface::{RIM, RawMesh, Surface};
@@ -8,42 +8,39 @@ use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
-/// Fills the whole surface triangle by triangle, looking at every pair: slow and by definition.
+/// Grows from the start triangle over a table of who touches whom, one triangle at a time: slow and by definition.
 fn by_definition(surface: &Surface, outline: &impl Outline, start: u32) -> BTreeSet<u32> {
     let p = surface.positions();
     let inside: Vec<bool> = p.iter().map(|p| outline.ratio(*p) < 1.0).collect();
     let triangles = surface.triangles();
-    let mut reached = vec![false; triangles.len()];
-    reached[start as usize] = true;
-    loop {
-        let mut grown = false;
-        for t in 0..triangles.len() {
-            if !reached[t] {
-                let joined = (0..triangles.len()).filter(|&u| reached[u]).any(|u| {
-                    triangles[u]
-                        .iter()
-                        .any(|v| inside[*v as usize] && triangles[t].contains(v))
-                }) || surface.topology().across(t as u32).iter().enumerate().any(
-                    |(edge, &u)| {
-                        let [a, b] = [triangles[t][edge], triangles[t][(edge + 1) % 3]];
-                        u != RIM
-                            && reached[u as usize]
-                            && outline.reaches(p[a as usize], p[b as usize])
-                    },
-                );
-                reached[t] = joined;
-                grown |= joined;
-            }
-        }
-        if !grown {
-            break;
+    let mut at_corner = vec![Vec::new(); p.len()];
+    for (t, corners) in triangles.iter().enumerate() {
+        for &v in corners {
+            at_corner[v as usize].push(t);
         }
     }
-    (0..triangles.len())
-        .filter(|&t| reached[t])
-        .flat_map(|t| triangles[t])
-        .filter(|&v| inside[v as usize])
-        .collect()
+    let mut reached = BTreeSet::from([start as usize]);
+    let mut waiting = vec![start as usize];
+    while let Some(t) = waiting.pop() {
+        let mut joined: Vec<usize> = Vec::new();
+        for (edge, &v) in triangles[t].iter().enumerate() {
+            if inside[v as usize] {
+                joined.extend(&at_corner[v as usize]);
+            }
+            let to = triangles[t][(edge + 1) % 3];
+            let across = surface.topology().across(t as u32)[edge];
+            if across != RIM && outline.reaches(p[v as usize], p[to as usize]) {
+                joined.push(across as usize);
+            }
+        }
+        for u in joined {
+            if reached.insert(u) {
+                waiting.push(u);
+            }
+        }
+    }
+    let corners = reached.iter().flat_map(|&t| triangles[t]);
+    corners.filter(|&v| inside[v as usize]).collect()
 }
 
 /// The triangle whose middle is nearest to a place.
@@ -82,7 +79,7 @@ fn cases() -> impl Strategy<Value = Case> {
         Just(Shape::Tube),
         Just(Shape::TwoSheets)
     ];
-    (shape, 3..10_usize).prop_flat_map(|(shape, cells)| {
+    (shape, prop_oneof![3..10_usize, 10..40_usize]).prop_flat_map(|(shape, cells)| {
         (
             prop::collection::vec(
                 prop::array::uniform3(-0.4..0.4_f64),
@@ -171,16 +168,36 @@ proptest! {
             let t = surface.triangle(start);
             let [u, v] = first.weights;
             let anchor = t.at([1.0 - u - v, u, v]);
-            let Some(outline) = Ellipse::new(anchor, t.normal(), a, b, first.angle_rad) else { continue };
-            search.search(&surface, &patches, &outline, start);
-            let order: Vec<u32> = search.vertices().collect();
-            let found: BTreeSet<u32> = order.iter().copied().collect();
-            prop_assert_eq!(found.len(), order.len(), "no vertex twice");
-            prop_assert_eq!(&found, &by_definition(&surface, &outline, start));
-            search.search(&surface, &patches, &outline, start);
-            prop_assert!(search.vertices().eq(order), "the same order every time");
+            let size = first.cells as f64 / 9.0;
+            let (n, angle, a, b) = (t.normal(), first.angle_rad, a * size, b * size);
+            let radii: Vec<f64> = (0..12).map(|i| if i % 3 == 0 { a } else { b }).collect();
+            let ellipse = Ellipse::new(anchor, n, a, b, angle);
+            let printed = PrintedEllipse::new(anchor, n, a.max(b), a.min(b), angle);
+            let polar = Polar::new(anchor, n, &radii);
+            let (Some(ellipse), Some(printed), Some(polar)) = (ellipse, printed, polar) else { continue };
+            finds(&surface, &patches, &mut search, &ellipse, start)?;
+            finds(&surface, &patches, &mut search, &printed, start)?;
+            finds(&surface, &patches, &mut search, &polar, start)?;
         }
     }
+}
+
+/// The search finds the set by definition, twice in the same order.
+fn finds(
+    surface: &Surface,
+    patches: &Patches,
+    search: &mut RingSearch,
+    outline: &impl Outline,
+    start: u32,
+) -> Result<(), TestCaseError> {
+    search.search(surface, patches, outline, start);
+    let order: Vec<u32> = search.vertices().collect();
+    let found: BTreeSet<u32> = order.iter().copied().collect();
+    prop_assert_eq!(found.len(), order.len(), "no vertex twice");
+    prop_assert_eq!(&found, &by_definition(surface, outline, start));
+    search.search(surface, patches, outline, start);
+    prop_assert!(search.vertices().eq(order), "the same order every time");
+    Ok(())
 }
 
 #[test]

@@ -1,4 +1,5 @@
 //! The tick allocates nothing: two fingers with friction on a curved surface, every record pushed to the recorder's ring.
+//! Nor does the deformation of a frame.
 //!
 //! The allocator of this program aborts at the first thing asked of it on the thread that has armed it.
 
@@ -8,8 +9,11 @@
 
 use dorsum::contact::published::{self, Published};
 use dorsum::contact::{Friction, Stiffness, Touch, TouchScene};
+use dorsum::deform::models::fsmd::{Fsmd, Settings};
+use dorsum::deform::strain::Strain;
+use dorsum::deform::{Displacement, Model as _, Press};
 use dorsum::device::Reading;
-use dorsum::geom::Vec3;
+use dorsum::geom::{Vec2, Vec3};
 use dorsum::partition::bvh::Bvh;
 use dorsum::partition::hdb::Query;
 use dorsum::servo::{FingerRecord, Rig, TickInput, tick};
@@ -102,6 +106,39 @@ fn nor_do_those_of_the_published_pass_with_any_structure() {
             run(Some(options), 1000);
         }
     }
+}
+
+#[test]
+fn nor_does_deforming_the_skin_once_it_has_been_as_large() {
+    let (skin, _) = Surface::new(bench_patch(20_389)).unwrap();
+    let press = |x: f64, y: f64| {
+        let to = |v: &usize| skin.positions()[*v].truncate().distance(Vec2::new(x, y));
+        let v = (0..skin.positions().len())
+            .min_by(|a, b| to(a).total_cmp(&to(b)))
+            .unwrap();
+        Press {
+            anchor_mm: skin.positions()[v],
+            foot_mm: skin.positions()[v] + Vec3::new(4.0, 3.0, 0.0),
+            normal: skin.normals()[v],
+            depth_mm: 7.0,
+            triangle: skin.topology().triangles_of(v as u32)[0],
+            ..Press::default()
+        }
+    };
+    let presses = [press(-60.0, 20.0), press(50.0, -10.0)];
+    let mut model = Fsmd::new(Settings::default());
+    let mut out = Displacement::at_rest(&skin);
+    let mut strain = Strain::new(&skin, &out);
+    model.update_strained(&skin, &presses, &mut out, &mut strain);
+    let moved = out.n_moved();
+    model.update_strained(&skin, &[], &mut out, &mut strain);
+    armed(|| {
+        model.update_strained(&skin, &presses, &mut out, &mut strain);
+        model.update_strained(&skin, &presses[..1], &mut out, &mut strain);
+        model.update(&skin, &presses, &mut out);
+        strain.update(&skin, &out);
+    });
+    assert!(moved > 1000 && out.n_moved() == moved);
 }
 
 /// Two fingers for this many ticks, the alarm armed.

@@ -70,6 +70,9 @@ impl Marks {
     /// The vertices of a patch with a triangle that is not at rest, from those that are `stale` and the words of `moved`.
     #[inline]
     pub fn bent(&self, patches: &Patches, p: u32, stale: u64, moved: &[u64]) -> u64 {
+        if moved[p as usize] == patches.all(p) {
+            return moved[p as usize];
+        }
         let alike = |q: u32| self.displaced(q) == moved[q as usize];
         let beside = patches.patch(p).beside;
         if alike(p) && beside.iter().all(|b| alike(b.block)) {

@@ -22,6 +22,7 @@ use crate::geom::Vec3;
 use crate::maps::{EllipseField, EllipseMap, Oval};
 use crate::surface::Surface;
 use std::sync::Arc;
+use strain::Strain;
 
 pub use crate::geom::curve;
 pub use displacement::Displacement;
@@ -94,6 +95,18 @@ pub trait Model: Send {
     /// `out` must have been made for `surface` and only ever changed by this model. Offsets and normals are finite
     /// whatever the presses hold; a press that is not finite is left out.
     fn update(&mut self, surface: &Surface, presses: &[Press], out: &mut Displacement);
+
+    /// The same, and brings `strain` from the shape before to the new one; a model may do so in the same pass.
+    fn update_strained(
+        &mut self,
+        surface: &Surface,
+        presses: &[Press],
+        out: &mut Displacement,
+        strain: &mut Strain,
+    ) {
+        self.update(surface, presses, out);
+        strain.update(surface, out);
+    }
 }
 
 /// A model's name and how it is made with its defaults.

@@ -2,7 +2,7 @@
 
 use super::blocks::{BLOCK, Block};
 use super::pairs::Pair;
-use super::patches::{NEARBY, Patches};
+use super::patches::{CORNERS, NEARBY, Patch, Patches};
 use crate::geom::Vec3;
 
 /// Places of a patch and its halo, mm, in the numbers of its rings.
@@ -25,7 +25,7 @@ impl Default for Nearby {
 
 impl Nearby {
     /// Gathers the places of patch `p` and its halo, each the sum of its position at rest and its offset.
-    #[inline]
+    #[inline(always)]
     pub fn gather(&mut self, patches: &Patches, p: u32, offsets_mm: &[Block]) {
         let (rest, offset) = (patches.positions(p), &offsets_mm[p as usize]);
         for i in 0..BLOCK {
@@ -128,5 +128,24 @@ impl Places {
     #[inline(always)]
     pub fn length_sq(self) -> Pair {
         self.x * self.x + self.y * self.y + self.z * self.z
+    }
+}
+
+/// The first six corners of the rings of two vertices.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ring(pub [Places; CORNERS]);
+
+impl Ring {
+    #[inline(always)]
+    pub fn of(at: &Nearby, patch: &Patch, i: usize) -> Self {
+        let [r0, r1, r2, r3, r4, r5] = patch.rings;
+        Self([
+            at.pair(r0[i], r0[i + 1]),
+            at.pair(r1[i], r1[i + 1]),
+            at.pair(r2[i], r2[i + 1]),
+            at.pair(r3[i], r3[i + 1]),
+            at.pair(r4[i], r4[i + 1]),
+            at.pair(r5[i], r5[i + 1]),
+        ])
     }
 }

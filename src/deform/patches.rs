@@ -184,6 +184,11 @@ impl Patches {
         self.hash == surface.hash() && self.n_vertices == surface.positions().len()
     }
 
+    /// Whether these are the same patches.
+    pub(super) fn are_those(&self, other: &Self) -> bool {
+        self.hash == other.hash && self.n_vertices == other.n_vertices
+    }
+
     /// Number of patches.
     pub fn len(&self) -> usize {
         self.positions.len()
@@ -208,19 +213,19 @@ impl Patches {
     }
 
     /// Positions of the vertices of a patch at rest, mm; no numbers where it has fewer than 64.
-    #[inline]
+    #[inline(always)]
     pub(super) fn positions(&self, p: u32) -> &Block {
         &self.positions[p as usize]
     }
 
     /// A word with the bits of all vertices of a patch.
-    #[inline]
+    #[inline(always)]
     pub(super) fn all(&self, p: u32) -> u64 {
         let n = self.n_vertices - (p as usize * BLOCK).min(self.n_vertices);
         u64::MAX >> (BLOCK - n.clamp(1, BLOCK))
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn patch(&self, p: u32) -> Patch<'_> {
         let [head, next] = [p, p + 1].map(|p| &self.heads[p as usize]);
         Patch {

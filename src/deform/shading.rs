@@ -9,14 +9,16 @@
 //! two for the usual six neighbours, instead of six.
 
 use super::Displacement;
-use super::blocks::{BLOCK, Block, bits, unless, vertex};
+use super::blocks::{BLOCK, Block, Row, bits, unless, vertex};
 use super::displacement::Change;
 use super::marks::Marks;
-use super::nearby::{Nearby, Places};
+use super::nearby::{Nearby, Places, Ring};
 use super::pairs::Pair;
 use super::patches::{Patch, Patches};
+use super::strain::{self, Strain, Weights};
 use crate::geom::{Vec3, unit_or};
 use crate::surface::Surface;
+use std::sync::Arc;
 
 /// What an update has to shade, what a surface needs for it, and scratch memory.
 #[derive(Clone, Debug, Default)]
@@ -25,6 +27,7 @@ pub(super) struct Shading {
     /// n₀ |S₀| − S₀, mm².
     corrections: Vec<Block>,
     nearby: Nearby,
+    new: New,
 }
 
 impl Shading {
@@ -43,7 +46,7 @@ impl Shading {
             let mut sums = Block::ZERO;
             add_longer(&self.nearby, &patch, &mut sums);
             for i in (0..BLOCK).step_by(2) {
-                area(&self.nearby, &patch, i)
+                area(&Ring::of(&self.nearby, &patch, i))
                     .plus(pair_of(&sums, i))
                     .put(&mut sums, i);
             }
@@ -66,15 +69,24 @@ impl Shading {
         self.marks.note(p, displaced);
     }
 
-    /// Renews the normals of displaced vertices and those next to them; lists in `out` what changed.
-    pub fn renew(&mut self, surface: &Surface, patches: &Patches, out: &mut Displacement) {
+    /// Renews the normals of displaced vertices and those next to them, and their strain in the same pass where it has
+    /// followed every update; lists in `out` what changed.
+    pub fn renew(
+        &mut self,
+        surface: &Surface,
+        patches: &Arc<Patches>,
+        out: &mut Displacement,
+        mut strain: Option<&mut Strain>,
+    ) {
         self.marks.spread(patches);
         out.changes.clear();
+        let follows = (strain.as_deref_mut()).is_some_and(|strain| strain.begins(patches, out));
         for i in 0..self.marks.marked().len() {
             let p = self.marks.marked()[i];
             let stale = self.marks.stale(patches, p);
             let displaced = self.marks.displaced(p);
-            let turned = self.renew_patch(surface, patches, p, stale, out);
+            let strain = strain.as_deref_mut().filter(|_| follows);
+            let turned = self.renew_patch(surface, patches, p, stale, out, strain);
             let touched = displaced | turned;
             if touched != 0 {
                 out.changes.push(Change {
@@ -83,6 +95,9 @@ impl Shading {
                     touched,
                 });
             }
+        }
+        if let (Some(strain), false) = (strain, follows) {
+            strain.update(surface, out);
         }
     }
 
@@ -94,39 +109,44 @@ impl Shading {
         p: u32,
         stale: u64,
         out: &mut Displacement,
+        strain: Option<&mut Strain>,
     ) -> u64 {
         let patch = patches.patch(p);
         let bent = self.marks.bent(patches, p, stale, &out.moved);
-        self.nearby.gather(patches, p, &out.offsets_mm);
+        let at = &mut self.nearby;
+        at.gather(patches, p, &out.offsets_mm);
         let mut with_longer;
         let mut start = &self.corrections[p as usize];
         if !patch.longer.is_empty() {
             with_longer = *start;
-            add_longer(&self.nearby, &patch, &mut with_longer);
+            add_longer(at, &patch, &mut with_longer);
             start = &with_longer;
         }
         let wanted = stale & bent;
-        let (mut new, mut lengths_sq) = (Block::ZERO, [1.0; BLOCK]);
-        let mut n_sound = 0;
-        for i in (0..BLOCK).step_by(2) {
-            if wanted >> i & 3 == 0 {
-                continue;
+        let new = &mut self.new;
+        match strain {
+            None => compute(at, &patch, start, wanted, None, new),
+            Some(strain) => {
+                compute(at, &patch, start, wanted, Some(strain.weights(p)), new);
+                strain.put(
+                    surface,
+                    at,
+                    p,
+                    &patch,
+                    [stale, wanted],
+                    out,
+                    &mut new.strains,
+                );
             }
-            let sum = area(&self.nearby, &patch, i).plus(pair_of(start, i));
-            let length_sq = sum.length_sq();
-            sum.times(per_length(length_sq)).put(&mut new, i);
-            length_sq.put(&mut lengths_sq, i);
-            let [l, m] = length_sq.0;
-            n_sound += u64::from(is_sound(l)) + u64::from(is_sound(m));
         }
-        if wanted & !patch.without_ring == u64::MAX && n_sound == BLOCK as u64 {
+        if wanted & !patch.without_ring == u64::MAX && new.n_sound == BLOCK as u64 {
             let held = &mut out.normals[p as usize];
             if self.marks.displaced(p) == u64::MAX {
                 // All are drawn anew, whether the normal turns or not.
-                *held = new;
+                *held = new.normals;
                 return u64::MAX;
             }
-            return replace(held, &new);
+            return replace(held, &new.normals);
         }
         let mut turned = 0;
         for i in bits(stale) {
@@ -136,11 +156,11 @@ impl Shading {
                 at_rest
             } else if patch.without_ring >> i & 1 == 1 {
                 normal_of_fans(surface, out, v)
-            } else if is_sound(lengths_sq[i]) {
-                new.get(i)
+            } else if is_sound(new.lengths_sq[i]) {
+                new.normals.get(i)
             } else {
                 let even = i & !1;
-                let sums = area(&self.nearby, &patch, even).plus(pair_of(start, even));
+                let sums = area(&Ring::of(at, &patch, even)).plus(pair_of(start, even));
                 unit_or(sums.get(i - even), at_rest)
             };
             let held = &mut out.normals[p as usize];
@@ -148,6 +168,56 @@ impl Shading {
             held.set(i, normal);
         }
         turned
+    }
+}
+
+/// What is computed anew of a patch; leftovers of another where it is not.
+#[derive(Clone, Debug)]
+struct New {
+    normals: Block,
+    lengths_sq: Row,
+    /// Vertices whose normal has a direction.
+    n_sound: u64,
+    strains: Row,
+}
+
+impl Default for New {
+    fn default() -> Self {
+        Self {
+            normals: Block::ZERO,
+            lengths_sq: [0.0; BLOCK],
+            n_sound: 0,
+            strains: [0.0; BLOCK],
+        }
+    }
+}
+
+/// Computes the `wanted` normals of a patch, those that have a ring, and their strains where there are weights for them.
+#[inline(always)]
+fn compute(
+    at: &Nearby,
+    patch: &Patch,
+    start: &Block,
+    wanted: u64,
+    weights: Option<&Weights>,
+    new: &mut New,
+) {
+    new.n_sound = 0;
+    for i in (0..BLOCK).step_by(2) {
+        if wanted >> i & 3 == 0 {
+            continue;
+        }
+        let ring = Ring::of(at, patch, i);
+        let sum = area(&ring).plus(pair_of(start, i));
+        let length_sq = sum.length_sq();
+        sum.times(per_length(length_sq)).put(&mut new.normals, i);
+        length_sq.put(&mut new.lengths_sq, i);
+        let [l, m] = length_sq.0;
+        new.n_sound += u64::from(is_sound(l)) + u64::from(is_sound(m));
+        if let Some(weights) = weights {
+            let here = at.pair(i as u8, i as u8 + 1);
+            strain::of_ring(here, &ring, weights, i).put(&mut new.strains, i);
+        }
     }
 }
 
@@ -184,18 +254,11 @@ fn pair_of(block: &Block, i: usize) -> Places {
     }
 }
 
-/// Twice the area vectors of the first six corners of the rings of two vertices, mm².
+/// Twice the area vectors of two rings, mm².
 #[inline(always)]
-fn area(at: &Nearby, patch: &Patch, i: usize) -> Places {
-    let [r0, r1, r2, r3, r4, r5] = patch.rings;
-    let a = at.pair(r0[i], r0[i + 1]);
-    let b = at.pair(r1[i], r1[i + 1]);
-    let c = at.pair(r2[i], r2[i + 1]);
-    let d = at.pair(r3[i], r3[i + 1]);
-    let e = at.pair(r4[i], r4[i + 1]);
-    let f = at.pair(r5[i], r5[i + 1]);
-    let first = c.minus(a).cross(d.minus(b));
-    let second = e.minus(a).cross(f.minus(d));
+fn area(Ring([a, b, c, d, e, f]): &Ring) -> Places {
+    let first = c.minus(*a).cross(d.minus(*b));
+    let second = e.minus(*a).cross(f.minus(*d));
     first.plus(second)
 }
 

@@ -3,7 +3,7 @@
 use super::Displacement;
 use super::blocks::{BLOCK, Block, Row, bits, unless, vertex};
 use super::marks::Marks;
-use super::nearby::Nearby;
+use super::nearby::{Nearby, Places, Ring};
 use super::pairs::Pair;
 use super::patches::{CORNERS, Patch, Patches};
 use crate::geom::Vec3;
@@ -31,13 +31,15 @@ pub struct Strain {
     /// Per patch that changed: the vertices whose strain did.
     touched: Vec<(u32, u64)>,
     seen_updates: u64,
+    /// The model has brought this along in its last update, and nobody has asked for that one yet.
+    fresh: bool,
     nearby: Nearby,
 }
 
 /// What makes a share of the mean of a squared length: 1 / (rest length · number of edges)², per mm². 0 for what is no edge.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-struct Weights([Row; CORNERS]);
+pub(super) struct Weights([Row; CORNERS]);
 
 impl Strain {
     /// The strain of `surface` as deformed by `displacement`, which must have been made for it. Every vertex under strain
@@ -54,12 +56,15 @@ impl Strain {
         strain
     }
 
-    /// Follows one update of `displacement`, at the cost of what that changed. Where it missed one, all vertices are looked
+    /// Follows one update of `displacement`, at the cost of what that changed, or at none where the model has brought it
+    /// along ([`Model::update_strained`](super::Model::update_strained)). Where it missed one, all vertices are looked
     /// at; where it belongs to another surface, it is made anew.
     pub fn update(&mut self, surface: &Surface, displacement: &Displacement) {
         let same = self.patches.are_of(surface) && self.values.len() == displacement.n_vertices();
+        let fresh = std::mem::take(&mut self.fresh);
         match displacement.updates().wrapping_sub(self.seen_updates) {
             _ if !same => *self = Self::new(surface, displacement),
+            0 if fresh => {}
             0 => self.touched.clear(),
             1 => {
                 self.marks.begin(&self.patches);
@@ -139,72 +144,62 @@ impl Strain {
         let patches = Arc::clone(&self.patches);
         self.marks.spread(&patches);
         self.touched.clear();
+        let mut at = std::mem::take(&mut self.nearby);
         for i in 0..self.marks.marked().len() {
             let p = self.marks.marked()[i];
             let stale = self.marks.stale(&patches, p);
-            let turned = self.renew_patch(surface, &patches, p, stale, displacement);
-            if turned != 0 {
-                self.touched.push((p, turned));
+            let bent = self.marks.bent(&patches, p, stale, &displacement.moved);
+            let wanted = stale & bent;
+            let mut strains = [0.0; BLOCK];
+            let patch = patches.patch(p);
+            if wanted != 0 {
+                at.gather(&patches, p, &displacement.offsets_mm);
             }
+            for i in (0..BLOCK).step_by(2) {
+                if wanted >> i & 3 != 0 {
+                    let here = at.pair(i as u8, i as u8 + 1);
+                    let ring = Ring::of(&at, &patch, i);
+                    of_ring(here, &ring, self.weights(p), i).put(&mut strains, i);
+                }
+            }
+            let words = [stale, wanted];
+            self.put(surface, &at, p, &patch, words, displacement, &mut strains);
         }
+        self.nearby = at;
     }
 
-    /// Renews the `stale` values of a patch; answers with the bits of those that changed.
-    fn renew_patch(
+    /// Whether the pass that follows `displacement` now may bring this along, patch by patch: it is of the same patches
+    /// and has seen all updates before. Then it counts as having seen this one.
+    pub(super) fn begins(&mut self, patches: &Arc<Patches>, displacement: &Displacement) -> bool {
+        let follows = self.patches.are_those(patches)
+            && displacement.updates().wrapping_sub(self.seen_updates) == 1;
+        if follows {
+            // Its own were made before the model's; from now on they are shared.
+            self.patches = Arc::clone(patches);
+            self.seen_updates = displacement.updates();
+            self.fresh = true;
+            self.touched.clear();
+        }
+        follows
+    }
+
+    pub(super) fn weights(&self, p: u32) -> &Weights {
+        &self.weights[p as usize]
+    }
+
+    /// Takes over the `stale` values of a patch: 0 where they are not `wanted`, the others from `strains`, by the first six
+    /// edges of their ring.
+    #[allow(clippy::too_many_arguments, reason = "one pass for normals and strain")]
+    pub(super) fn put(
         &mut self,
         surface: &Surface,
-        patches: &Patches,
+        at: &Nearby,
         p: u32,
-        stale: u64,
+        patch: &Patch,
+        [stale, wanted]: [u64; 2],
         out: &Displacement,
-    ) -> u64 {
-        let patch = patches.patch(p);
-        let bent = stale & self.marks.bent(patches, p, stale, &out.moved);
-        let mut new = [0.0; BLOCK];
-        if bent != 0 {
-            self.nearby.gather(patches, p, &out.offsets_mm);
-            self.strains(p, &patch, bent, &mut new);
-            for i in bits(bent & self.odd[p as usize]) {
-                new[i] = of_vertex(surface, out, vertex(p, i));
-            }
-        }
-        let from = p as usize * BLOCK;
-        let to = (from + BLOCK).min(self.values.len());
-        let held = &mut self.values[from..to];
-        if let (u64::MAX, Ok(held)) = (bent, <&mut Row>::try_from(&mut *held)) {
-            let (mut same, mut n_same) = ([0_u64; BLOCK], 0);
-            for i in 0..BLOCK {
-                same[i] = u64::from(held[i] == new[i]);
-                n_same += same[i];
-            }
-            *held = new;
-            return unless(&same, n_same);
-        }
-        let mut turned = 0;
-        for i in bits(stale) {
-            let strain = if bent >> i & 1 == 1 { new[i] } else { 0.0 };
-            turned |= u64::from(held[i] != strain) << i;
-            held[i] = strain;
-        }
-        turned
-    }
-
-    /// The strain of the `wanted` vertices of a patch, gathered, that have a ring. Others get anything.
-    #[inline]
-    fn strains(&self, p: u32, patch: &Patch, wanted: u64, strains: &mut Row) {
-        let (at, weights) = (&self.nearby, &self.weights[p as usize].0);
-        for i in (0..BLOCK).step_by(2) {
-            if wanted >> i & 3 == 0 {
-                continue;
-            }
-            let here = at.pair(i as u8, i as u8 + 1);
-            let mut sum = Pair([-1.0; 2]);
-            for (ring, weights) in patch.rings.iter().zip(weights) {
-                let edge = at.pair(ring[i], ring[i + 1]).minus(here);
-                sum = sum + (edge.length_sq() * Pair::of(weights, i)).sqrt();
-            }
-            sum.put(strains, i);
-        }
+        strains: &mut Row,
+    ) {
         let weights = self.longer[2 * patch.longer_from..].chunks_exact(2);
         for (l, weights) in patch.longer.iter().zip(weights) {
             let here = at.get(l.vertex);
@@ -213,7 +208,50 @@ impl Strain {
                 strains[l.vertex as usize] += (edge.length_squared() * weight).sqrt();
             }
         }
+        let odd = self.odd[p as usize];
+        for i in bits(wanted & odd) {
+            strains[i] = of_vertex(surface, out, vertex(p, i));
+        }
+        let from = p as usize * BLOCK;
+        let to = (from + BLOCK).min(self.values.len());
+        let held = &mut self.values[from..to];
+        let turned = if let (u64::MAX, Ok(held)) = (wanted, <&mut Row>::try_from(&mut *held)) {
+            let (mut same, mut n_same) = ([0_u64; BLOCK], 0);
+            for i in 0..BLOCK {
+                same[i] = u64::from(held[i] == strains[i]);
+                n_same += same[i];
+            }
+            *held = *strains;
+            unless(&same, n_same)
+        } else {
+            let mut turned = 0;
+            for i in bits(stale) {
+                let strain = if wanted >> i & 1 == 1 {
+                    strains[i]
+                } else {
+                    0.0
+                };
+                turned |= u64::from(held[i] != strain) << i;
+                held[i] = strain;
+            }
+            turned
+        };
+        if turned != 0 {
+            self.touched.push((p, turned));
+        }
     }
+}
+
+/// The strains of two vertices from the first six edges of each.
+#[inline(always)]
+pub(super) fn of_ring(here: Places, ring: &Ring, weights: &Weights, i: usize) -> Pair {
+    let [a, b, c, d, e, f] = &ring.0;
+    let [ra, rb, rc, rd, re, rf] = &weights.0;
+    let share =
+        |corner: &Places, row: &Row| (corner.minus(here).length_sq() * Pair::of(row, i)).sqrt();
+    let first = share(a, ra) + share(b, rb) + share(c, rc);
+    let second = share(d, rd) + share(e, re) + share(f, rf);
+    first + second - Pair([1.0; 2])
 }
 
 /// 1 / (length · number of edges)²; 0 for an edge without length.

@@ -361,6 +361,41 @@ mod tests {
     use super::*;
 
     #[test]
+    fn many_ratios_at_once_have_the_bits_of_each_alone() {
+        let mut ratios = [0.0; 4096];
+        for (i, q) in ratios.iter_mut().enumerate() {
+            *q = i as f64 / 4000.0 + if i % 3 == 0 { 1e-17 } else { 0.0 };
+        }
+        let odd = [
+            -1.0,
+            -0.0,
+            1.0 - f64::EPSILON / 2.0,
+            f64::NAN,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            1e-320,
+        ];
+        ratios[..odd.len()].copy_from_slice(&odd);
+        for i in 0..700 {
+            ratios[100 + i] = (i as f64 + 0.5 * (i % 2) as f64) / 699.0;
+        }
+        for lookup in [Lookup::Nearest, Lookup::Linear, Lookup::Exact] {
+            for n in [2, 20, 130, 700] {
+                let curve = Curve::gaussian_printed(n, lookup);
+                let mut shares = ratios;
+                curve.apply(&mut shares);
+                for (q, share) in ratios.iter().zip(shares) {
+                    assert_eq!(
+                        share.to_bits(),
+                        curve.at(*q).to_bits(),
+                        "{lookup:?} {n} at {q}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
     fn the_printed_array_has_the_printed_ends_and_closed_form_between() {
         let c = Curve::gaussian_printed(PUBLISHED_SIZE, Lookup::Nearest);
         assert_eq!(c.samples().len(), 700);

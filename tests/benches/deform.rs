@@ -1,25 +1,29 @@
 //! What FSMD costs per vertex in the footprint, over mesh size and number of fingers: `cargo bench --bench deform`.
 //!
 //! Fingers slide over the built-in back with friction, so that every frame finds its footprint anew and every vertex in it
-//! changes. A footprint is the tangential one, 140 mm in radius.
+//! changes. A footprint is the tangential one, 140 mm in radius. Times are ns per vertex moved, least / median over the
+//! frames: other programs only ever add. "normals" and "strain" are passes of their own, "both" is the one pass in which
+//! the model brings both along, "frame" offsets and both.
 //!
 //! "plain" is the yardstick that shares the state of the machine: the formula alone for every vertex of the surface in the
-//! order of memory, with no search, no comparison and no list.
+//! order of memory, one after the other, with no search, no comparison and no list. "ratio" is frame over plain.
 
 use dorsum::deform::curve::Curve;
 use dorsum::deform::footprint::{Ellipse, Outline};
 use dorsum::deform::models::fsmd::{Fsmd, Settings};
-use dorsum::deform::{Displacement, Press};
+use dorsum::deform::strain::Strain;
+use dorsum::deform::{Displacement, Model as _, Press};
 use dorsum::geom::Vec3;
 use dorsum::surface::Surface;
 use dorsum::surface::back::{self, BackOptions};
 use std::time::Instant;
 
+const COLUMNS: [&str; 6] = ["plain", "offsets", "normals", "strain", "both", "frame"];
+
 fn main() {
-    println!(
-        "{:>10} {:>8} {:>10} {:>10} {:>12} {:>14} {:>12}",
-        "triangles", "fingers", "moved", "plain ns", "offsets ns", "+ normals ns", "frame ms"
-    );
+    print!("{:>10} {:>8} {:>10}", "triangles", "fingers", "moved");
+    COLUMNS.iter().for_each(|name| print!("{name:>15}"));
+    println!("{:>8}", "ratio");
     for triangles in [20_389, 500_000, 2_000_000] {
         let skin = match Surface::new(back::make(&BackOptions::with_triangles(triangles))) {
             Ok((skin, _)) => skin,
@@ -29,74 +33,83 @@ fn main() {
             }
         };
         for n_fingers in [1, 2] {
-            let row = measure(&skin, n_fingers);
-            println!(
-                "{:>10} {:>8} {:>10} {:>10.2} {:>12.2} {:>14.2} {:>12.3}",
-                skin.triangles().len(),
-                n_fingers,
-                row.moved,
-                row.plain_ns,
-                row.offsets_ns,
-                row.all_ns,
-                row.frame_ms
-            );
+            report(&skin, n_fingers);
         }
     }
 }
 
-/// The cheapest of the frames for ns, as other programs only ever add; the median for the whole frame. ns are per vertex moved.
-struct Row {
-    moved: usize,
-    plain_ns: f64,
-    offsets_ns: f64,
-    all_ns: f64,
-    frame_ms: f64,
-}
-
-fn measure(skin: &Surface, n_fingers: usize) -> Row {
+fn report(skin: &Surface, n_fingers: usize) {
     let mut model = Fsmd::new(Settings::default());
     let mut out = Displacement::at_rest(skin);
+    model.update(skin, &[], &mut out);
+    let mut strain = Strain::new(skin, &out);
     let n_frames = (20_000_000 / skin.triangles().len()).clamp(15, 400);
-    let mut plain = vec![];
     let mut plain_offsets = vec![Vec3::ZERO; skin.positions().len()];
-    let (mut moved, mut offsets, mut all, mut frame) = (vec![], vec![], vec![], vec![]);
+    let mut moved = vec![];
+    let mut times: [Vec<f64>; 6] = Default::default();
     for i in 0..n_frames {
         let presses: Vec<Press> = (0..n_fingers).map(|f| press(skin, i, f)).collect();
-        plain.push(plain_pass(skin, &presses[0], &mut plain_offsets));
-        let start = Instant::now();
         model.displace(skin, &presses, &mut out);
-        let displaced = start.elapsed();
-        model.shade(skin, &mut out);
-        let done = start.elapsed();
-        let in_footprints = out.n_moved();
-        let per_vertex = 1.0e9 / in_footprints.max(1) as f64;
-        moved.push(in_footprints as f64);
-        offsets.push(displaced.as_secs_f64() * per_vertex);
-        all.push(done.as_secs_f64() * per_vertex);
-        frame.push(done.as_secs_f64() * 1.0e3);
+        let in_passes = 1.0 / out.n_moved().max(1) as f64;
+        let normals = timed(|| model.shade(skin, &mut out));
+        let strains = timed(|| strain.update(skin, &out));
+        // The same again for the passes in one.
+        let presses: Vec<Press> = (0..n_fingers).map(|f| press(skin, i + 7, f)).collect();
+        let offsets = timed(|| model.displace(skin, &presses, &mut out));
+        let both = timed(|| model.shade_strained(skin, &mut out, &mut strain));
+        let plain = timed(|| plain_pass(skin, &presses[0], &mut plain_offsets));
+        let per_vertex = 1.0 / out.n_moved().max(1) as f64;
+        moved.push(out.n_moved() as f64);
+        let here = [
+            plain / plain_offsets.len() as f64,
+            offsets * per_vertex,
+            normals * in_passes,
+            strains * in_passes,
+            both * per_vertex,
+            (offsets + both) * per_vertex,
+        ];
+        for (times, ns) in times.iter_mut().zip(here) {
+            times.push(ns);
+        }
     }
-    Row {
-        moved: median(moved) as usize,
-        plain_ns: least(&plain),
-        offsets_ns: least(&offsets),
-        all_ns: least(&all),
-        frame_ms: median(frame),
+    let n_moved = median(moved);
+    print!(
+        "{:>10} {n_fingers:>8} {n_moved:>10}",
+        skin.triangles().len()
+    );
+    for times in &times {
+        let both = format!("{:.1} / {:.1}", least(times), median(times.clone()));
+        print!("{both:>15}");
     }
+    println!("{:>8.1}", least(&times[5]) / least(&times[0]));
+    let per_vertex = |bytes: usize| bytes as f64 / skin.positions().len() as f64;
+    println!(
+        "{:>10} bytes per vertex: model {:.0}, displacement {:.0}, strain {:.0}",
+        "",
+        per_vertex(model.bytes()),
+        per_vertex(out.bytes()),
+        per_vertex(strain.bytes())
+    );
 }
 
-/// The formula for every vertex; ns per vertex.
-fn plain_pass(skin: &Surface, press: &Press, offsets: &mut [Vec3]) -> f64 {
+/// What it takes, ns.
+fn timed(work: impl FnOnce()) -> f64 {
+    let start = Instant::now();
+    work();
+    start.elapsed().as_secs_f64() * 1.0e9
+}
+
+/// The formula for every vertex.
+fn plain_pass(skin: &Surface, press: &Press, offsets: &mut [Vec3]) {
     let curve = Curve::gaussian();
     let Some(circle) = Ellipse::new(press.anchor_mm, press.normal, 140.0, 140.0, 0.0) else {
-        return f64::NAN;
+        return;
     };
     let pull = press.foot_mm - press.anchor_mm;
-    let start = Instant::now();
     for (offset, p) in offsets.iter_mut().zip(skin.positions()) {
         *offset = pull * curve.at(circle.ratio(*p));
     }
     std::hint::black_box(&offsets);
-    start.elapsed().as_secs_f64() * 1.0e9 / offsets.len() as f64
 }
 
 /// A finger sliding up and down beside the spine, at the vertex nearest to its path.

@@ -16,6 +16,11 @@ pub trait PerFrame: Send {
     /// The value at a vertex.
     fn value(&self, displacement: &Displacement, vertex: u32) -> f64;
 
+    /// The strain, if it is that: a model may bring it along while it deforms.
+    fn strain(&mut self) -> Option<&mut Strain> {
+        None
+    }
+
     /// Memory held beside the displacement, bytes.
     fn bytes(&self) -> usize {
         0
@@ -68,6 +73,10 @@ impl PerFrame for Strain {
         self.values()
             .get(vertex as usize)
             .map_or(0.0, |strain| 100.0 * strain)
+    }
+
+    fn strain(&mut self) -> Option<&mut Strain> {
+        Some(self)
     }
 
     fn bytes(&self) -> usize {

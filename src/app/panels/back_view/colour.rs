@@ -11,6 +11,7 @@ use crate::app::render::tint::Tint;
 use crate::app::render::values::Values;
 use crate::app::state::{BuildStatus, PartCost, Parts};
 use crate::deform::Displacement;
+use crate::deform::strain::Strain;
 use crate::scenario::{Item, Scene};
 use std::sync::Arc;
 use std::time::Instant;
@@ -144,6 +145,14 @@ impl SurfaceColour {
             range,
             contour_step,
         })
+    }
+
+    /// The strain, where it is shown, for the model to bring along.
+    pub fn strain(&mut self) -> Option<&mut Strain> {
+        match &mut self.state {
+            State::Frame(quantity) => quantity.strain(),
+            _ => None,
+        }
     }
 
     /// Brings the values up to what is chosen. `moved` tells whether the displacement had an update since the last call.

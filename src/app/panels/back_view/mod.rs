@@ -170,7 +170,8 @@ impl Panel for BackView {
         }
         self.follow_scene(ui.ctx(), scene, cx.view.scene_generation);
         let Some(skin) = &mut self.skin else { return };
-        let moved = skin.update(&cx.view.fingers, &self.stage);
+        let strain = self.colour.strain();
+        let moved = skin.update(&cx.view.fingers, &self.stage, strain);
         skin.report(&cx.view.parts, &self.stage);
         let ctx = ui.ctx().clone();
         self.colour

@@ -5,6 +5,7 @@ use super::model::{self, Mark};
 use super::stage::SharedStage;
 use crate::app::state::{PartCost, Parts};
 use crate::deform::models::fsmd::Fsmd;
+use crate::deform::strain::Strain;
 use crate::deform::{Displacement, Model, Press};
 use crate::scenario::{Item, Scene};
 use crate::servo::FingerRecord;
@@ -97,16 +98,24 @@ impl DrawnSkin {
     }
 
     /// Follows the fingers and hands what changed to the stage; answers whether there was anything. Does nothing while they
-    /// rest.
-    pub fn update(&mut self, fingers: &[FingerRecord], stage: &SharedStage) -> bool {
+    /// rest. `strain` is brought along.
+    pub fn update(
+        &mut self,
+        fingers: &[FingerRecord],
+        stage: &SharedStage,
+        strain: Option<&mut Strain>,
+    ) -> bool {
         let (fingers, presses) = model::presses(fingers, &self.scene);
         let before = self.presses.as_ref();
         if before.is_some_and(|before| !model::differ(&presses, before)) {
             return false;
         }
         let start = Instant::now();
-        self.model
-            .update(&self.scene.surface, &presses, &mut self.displacement);
+        let (surface, skin) = (&self.scene.surface, &mut self.displacement);
+        match strain {
+            Some(strain) => (self.model).update_strained(surface, &presses, skin, strain),
+            None => self.model.update(surface, &presses, skin),
+        }
         self.update_us = Some(start.elapsed().as_secs_f64() * 1e6);
         (self.fingers, self.presses) = (fingers, Some(presses));
         self.boundaries = OnceCell::new();

@@ -26,6 +26,7 @@ use crate::deform::curve::Curve;
 use crate::deform::footprint::{Ellipse, Kind, Polar, PrintedEllipse};
 use crate::deform::patches::Patches;
 use crate::deform::shading::Shading;
+use crate::deform::strain::Strain;
 use crate::deform::{Displacement, Model, Press, RingSearch};
 use crate::geom::{Vec3, unit_or};
 use crate::maps::Oval;
@@ -208,7 +209,18 @@ impl Fsmd {
     /// The second half: recomputes the normals of the vertices displaced and of those next to them, and lists what is to be
     /// drawn anew.
     pub fn shade(&mut self, surface: &Surface, out: &mut Displacement) {
-        self.shading.renew(surface, &self.patches, out);
+        self.shading.renew(surface, &self.patches, out, None);
+    }
+
+    /// The second half of [`Model::update_strained`]: as [`Fsmd::shade`], with the strain in the same pass.
+    pub fn shade_strained(
+        &mut self,
+        surface: &Surface,
+        out: &mut Displacement,
+        strain: &mut Strain,
+    ) {
+        self.shading
+            .renew(surface, &self.patches, out, Some(strain));
     }
 
     /// Adds the fields of one press and finds what they move.
@@ -384,6 +396,17 @@ impl Model for Fsmd {
     fn update(&mut self, surface: &Surface, presses: &[Press], out: &mut Displacement) {
         self.displace(surface, presses, out);
         self.shade(surface, out);
+    }
+
+    fn update_strained(
+        &mut self,
+        surface: &Surface,
+        presses: &[Press],
+        out: &mut Displacement,
+        strain: &mut Strain,
+    ) {
+        self.displace(surface, presses, out);
+        self.shade_strained(surface, out, strain);
     }
 }
 
