@@ -250,7 +250,8 @@ impl Check<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::Scenario;
+    use crate::scenario::{Item, Scenario, Use, build, rebuild};
+    use std::sync::Arc;
 
     fn parsed(tables: &str) -> Result<Scenario, ScenarioError> {
         let head = "format = 1\nname = \"Test\"\n[surface]\nbuiltin = \"back\"\n[stiffness]\nconstant_n_per_mm = 0.5\n";
@@ -423,5 +424,40 @@ mod tests {
             error.contains("line 8: builtin = \"back\" belongs to the built-in back"),
             "{error}"
         );
+    }
+
+    #[test]
+    fn bones_are_built_where_something_shows_the_skin_and_kept_by_an_edit_of_something_else() {
+        let shown = Use {
+            fingers: 1,
+            deformed: true,
+            ..Use::default()
+        };
+        let built = |tables: &str, purpose| {
+            build(Arc::new(parsed(tables).unwrap()), purpose, &mut |_, _| true).unwrap()
+        };
+        let bones = "[bones]\nbuiltin = \"back\"\n";
+        for scene in [built("", shown), built(bones, Use::default())] {
+            let row = scene.ledger.row(Item::Bones);
+            assert!(
+                scene.deform.bones.is_none() && !row.built && row.bytes == 0,
+                "{row:?}"
+            );
+        }
+        let scene = built(bones, shown);
+        let held = scene.deform.bones.clone().unwrap();
+        assert_eq!(scene.ledger.row(Item::Bones).bytes, held.bytes());
+        assert_eq!(held.depth_mm().len(), scene.surface.positions().len());
+
+        let edited = |tables: &str| {
+            let scenario = Arc::new(parsed(tables).unwrap());
+            rebuild(&scene, scenario, shown).unwrap()
+        };
+        let other = edited(&format!("{bones}[deformation]\ncurve = \"cosine\"\n"));
+        assert!(Arc::ptr_eq(other.deform.bones.as_ref().unwrap(), &held));
+        assert_eq!(other.deform.curve.name(), "cosine");
+        let softer = edited(&format!("{bones}dent_share = 0.4\n"));
+        assert_eq!(softer.deform.bones.unwrap().settings().dent_share, 0.4);
+        assert!(edited("").deform.bones.is_none());
     }
 }

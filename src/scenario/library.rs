@@ -9,7 +9,7 @@ pub struct Example {
     pub text: &'static str,
 }
 
-const EXAMPLES: [Example; 7] = [
+const EXAMPLES: [Example; 8] = [
     Example {
         file: "FIRST.toml",
         text: include_str!("../../assets/scenarios/FIRST.toml"),
@@ -33,6 +33,10 @@ const EXAMPLES: [Example; 7] = [
     Example {
         file: "fibres.toml",
         text: include_str!("../../assets/scenarios/fibres.toml"),
+    },
+    Example {
+        file: "bones.toml",
+        text: include_str!("../../assets/scenarios/bones.toml"),
     },
     Example {
         file: "published.toml",
