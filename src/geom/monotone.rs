@@ -75,7 +75,21 @@ impl Monotone {
 
     /// Value at `x`; beyond the ends that of the end. What is no number counts as the first x.
     pub fn at(&self, x: f64) -> f64 {
-        let (from, to, t) = self.piece(x);
+        Self::value(self.piece(x))
+    }
+
+    /// Values at many `xs` that do not descend: no piece is looked for from the start again.
+    pub fn at_each(&self, xs: impl Iterator<Item = f64>) -> impl Iterator<Item = f64> {
+        let mut i = 1;
+        xs.map(move |x| {
+            while i + 1 < self.knots.len() && self.knots[i].x <= x {
+                i += 1;
+            }
+            Self::value(self.piece_before(i, x))
+        })
+    }
+
+    fn value((from, to, t): (Knot, Knot, f64)) -> f64 {
         let step = to.x - from.x;
         let (s, t_sq) = (1.0 - t, t * t);
         let value = s * s * ((1.0 + 2.0 * t) * from.y + t * step * from.slope)
@@ -104,7 +118,10 @@ impl Monotone {
     /// The knots around `x` and where between them it lies, 0…1.
     fn piece(&self, x: f64) -> (Knot, Knot, f64) {
         let after = self.knots.partition_point(|k| k.x <= x);
-        let i = after.clamp(1, self.knots.len() - 1);
+        self.piece_before(after.clamp(1, self.knots.len() - 1), x)
+    }
+
+    fn piece_before(&self, i: usize, x: f64) -> (Knot, Knot, f64) {
         let (from, to) = (self.knots[i - 1], self.knots[i]);
         let t = (x - from.x) / (to.x - from.x);
         (from, to, if t > 0.0 { t.min(1.0) } else { 0.0 })
@@ -183,6 +200,8 @@ mod tests {
         #[test]
         fn it_meets_the_points_and_turns_only_where_they_do(points in points()) {
             let m = Monotone::new(&points).unwrap();
+            let xs: Vec<f64> = (-10..200).map(|i| points[0].0 + f64::from(i) * 0.1).collect();
+            prop_assert!(m.at_each(xs.iter().copied()).eq(xs.iter().map(|&x| m.at(x))));
             for w in points.windows(2) {
                 prop_assert_eq!((m.at(w[0].0), m.at(w[1].0)), (w[0].1, w[1].1));
                 let values: Vec<f64> = (0..=100).map(|i| m.at(w[0].0 + (w[1].0 - w[0].0) * f64::from(i) / 100.0)).collect();

@@ -9,6 +9,8 @@ use std::sync::{Arc, LazyLock};
 const DIRECTIONS: usize = 512;
 /// The same per quarter turn.
 const PER_QUARTER: usize = DIRECTIONS / 4;
+/// Sectors that share one bound of [`Shape::nearest_sq_mm2`].
+const PER_RUN: usize = 8;
 /// Fewest radii that bound an area whatever they are.
 pub const FEWEST_RADII: usize = 3;
 
@@ -34,7 +36,9 @@ pub struct Polar {
 #[derive(Debug, PartialEq)]
 struct Shape {
     /// Per sector the vector c, 1/mm, with q = c·p there.
-    sectors: Vec<Vec2>,
+    sectors: [Vec2; DIRECTIONS],
+    /// Per run of sectors the square of the least distance of its sides' lines from the centre, mm².
+    nearest_sq_mm2: [f64; DIRECTIONS / PER_RUN],
     /// Squares of the radii of the circles inside and around, mm².
     inner_sq_mm2: f64,
     outer_sq_mm2: f64,
@@ -70,7 +74,8 @@ fn sector(p: Vec2) -> usize {
     } else {
         rise
     };
-    (quarters * PER_QUARTER as f64) as usize % DIRECTIONS
+    // To 32 bits a processor converts in one instruction.
+    (quarters * PER_QUARTER as f64) as i32 as usize % DIRECTIONS
 }
 
 impl Shape {
@@ -80,18 +85,25 @@ impl Shape {
             return None;
         }
         let radius_mm = Monotone::periodic(boundary_mm, 4.0 * FRAC_PI_2)?;
-        let points: Vec<Vec2> = CORNERS
-            .iter()
-            .map(|c| c.direction * radius_mm.at(c.angle_rad))
-            .collect();
-        let sectors: Vec<Vec2> = (0..DIRECTIONS)
-            .map(|i| {
-                let (from, to) = (points[i], points[(i + 1) % DIRECTIONS]);
-                (from - to).perp() / from.perp_dot(to)
-            })
-            .collect();
-        let inner_sq_mm2 =
-            (sectors.iter().map(|c| 1.0 / c.length_squared())).fold(f64::INFINITY, f64::min);
+        let mut points = [Vec2::ZERO; DIRECTIONS];
+        let angles = CORNERS.iter().map(|c| c.angle_rad);
+        for ((point, corner), radius_mm) in points
+            .iter_mut()
+            .zip(&*CORNERS)
+            .zip(radius_mm.at_each(angles))
+        {
+            *point = corner.direction * radius_mm;
+        }
+        let sectors: [Vec2; DIRECTIONS] = std::array::from_fn(|i| {
+            let (from, to) = (points[i], points[(i + 1) % DIRECTIONS]);
+            (from - to).perp() / from.perp_dot(to)
+        });
+        let nearest_sq_mm2 = std::array::from_fn(|run| {
+            let sides = sectors[run * PER_RUN..(run + 1) * PER_RUN].iter();
+            let most_sq = sides.map(|c| c.length_squared()).fold(0.0, f64::max);
+            1.0 / most_sq
+        });
+        let inner_sq_mm2 = nearest_sq_mm2.iter().copied().fold(f64::INFINITY, f64::min);
         let outer_sq_mm2 = points
             .iter()
             .map(|p| p.length_squared())
@@ -100,6 +112,7 @@ impl Shape {
             sectors.iter().all(|c| c.is_finite()) && inner_sq_mm2 > 0.0 && outer_sq_mm2.is_finite();
         sound.then_some(Self {
             sectors,
+            nearest_sq_mm2,
             inner_sq_mm2,
             outer_sq_mm2,
         })
@@ -110,8 +123,8 @@ impl Shape {
         self.sectors[sector(p)].dot(p).min(f64::INFINITY)
     }
 
-    /// Least and largest q where the segment crosses from one sector to the next. Between, q is linear.
-    fn range_at_crossings(&self, from: Vec2, to: Vec2) -> (f64, f64) {
+    /// Least q where the segment crosses from one sector to the next. Between, q is linear.
+    fn least_at_crossings(&self, from: Vec2, to: Vec2) -> f64 {
         let (first, last) = (sector(from), sector(to));
         let turns_left = from.perp_dot(to) >= 0.0;
         let (start, end) = if turns_left {
@@ -121,20 +134,34 @@ impl Shape {
         };
         let crossed = (end + DIRECTIONS - start) % DIRECTIONS;
         if crossed > DIRECTIONS / 2 + 1 {
-            // It passes through the centre but for rounding: ends apart, everything is crossed at 0.
-            return (0.0, f64::INFINITY);
+            // It passes through the centre but for rounding.
+            return 0.0;
         }
-        let mut range = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut least = f64::INFINITY;
         for step in 1..=crossed {
             let corner = CORNERS[(start + step) % DIRECTIONS].direction;
             let (f, t) = (corner.perp_dot(from), corner.perp_dot(to));
-            if f == t {
-                continue;
+            if f != t {
+                let at = from + (to - from) * (f / (f - t)).clamp(0.0, 1.0);
+                least = least.min(self.ratio(at));
             }
-            let q = self.ratio(from + (to - from) * (f / (f - t)).clamp(0.0, 1.0));
-            range = (range.0.min(q), range.1.max(q));
         }
-        range
+        least
+    }
+
+    /// Square of the least distance of the boundary in the directions of the points, each of which must lie within half a
+    /// turn of `middle`, mm². Never above the true one.
+    fn nearest_towards(&self, middle: Vec2, points: [Vec2; 4]) -> f64 {
+        let half_turn = DIRECTIONS / 2;
+        // Sectors from the one opposite to the middle: no wrap within half a turn to either side.
+        let start = sector(middle) + half_turn;
+        let from_start = points.map(|p| (sector(p) + DIRECTIONS - start % DIRECTIONS) % DIRECTIONS);
+        let first = from_start.into_iter().fold(usize::MAX, usize::min);
+        let last = from_start.into_iter().fold(0, usize::max);
+        let run = |from_start: usize| (start + from_start) / PER_RUN;
+        (run(first)..=run(last))
+            .map(|r| self.nearest_sq_mm2[r % (DIRECTIONS / PER_RUN)])
+            .fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -201,22 +228,26 @@ impl Outline for Polar {
         if nearest_sq < shape.inner_sq_mm2 || nearest_sq >= shape.outer_sq_mm2 {
             return nearest_sq < shape.inner_sq_mm2;
         }
-        shape.range_at_crossings(from, to).0 < 1.0
+        shape.least_at_crossings(from, to) < 1.0
     }
 
-    /// By the four sides of the rectangle that the box can have on the tangent plane: as every ray from the centre leaves
-    /// the outline once, what has all its sides inside is inside. A billionth is left for rounding.
+    /// By the corner farthest from the centre of the rectangle that the box can have on the tangent plane, against the
+    /// nearest boundary in the directions of the rectangle. A billionth is left for rounding.
     #[inline]
     fn holds(&self, bounds: &Aabb) -> bool {
         let shape = &*self.shape;
         let half = (bounds.max - bounds.min) * 0.5;
         let middle = self.on_plane(bounds.min + half);
         let half = Vec2::new(self.x.abs().dot(half), self.y.abs().dot(half));
-        let farthest_sq = (middle.abs() + half).length_squared();
-        if farthest_sq < shape.inner_sq_mm2 * (1.0 - 1e-9) {
+        let farthest_sq = (middle.abs() + half).length_squared() * (1.0 + 1e-9);
+        if farthest_sq < shape.inner_sq_mm2 {
             return true;
         }
-        let inside = |q: f64| q < 1.0 - 1e-9;
+        // With the centre inside the rectangle lies in all directions.
+        let beside = middle.x.abs() > half.x || middle.y.abs() > half.y;
+        if !(beside && farthest_sq < shape.outer_sq_mm2) {
+            return false;
+        }
         let corner = |x: f64, y: f64| middle + Vec2::new(x, y) * half;
         let corners = [
             corner(-1.0, -1.0),
@@ -224,8 +255,7 @@ impl Outline for Polar {
             corner(1.0, 1.0),
             corner(-1.0, 1.0),
         ];
-        corners.iter().all(|&c| inside(shape.ratio(c)))
-            && (0..4).all(|i| inside(shape.range_at_crossings(corners[i], corners[(i + 1) % 4]).1))
+        farthest_sq < shape.nearest_towards(middle, corners)
     }
 
     /// By the most that q can rise per mm, which is in the sector whose side comes nearest to the centre.
