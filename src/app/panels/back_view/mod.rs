@@ -65,6 +65,34 @@ impl Default for Options {
     }
 }
 
+impl Options {
+    /// What is not as at first, as words with a space before each.
+    fn kept(self) -> String {
+        [
+            (self.wireframe, " wireframe"),
+            (!self.arrows, " no-arrows"),
+            (self.landmarks, " landmarks"),
+            (self.footprints, " footprints"),
+        ]
+        .into_iter()
+        .filter_map(|(on, word)| on.then_some(word))
+        .collect()
+    }
+
+    /// Takes that back; other words are not its own.
+    fn recall(&mut self, kept: &str) {
+        for word in kept.split_whitespace() {
+            match word {
+                "wireframe" => self.wireframe = true,
+                "no-arrows" => self.arrows = false,
+                "landmarks" => self.landmarks = true,
+                "footprints" => self.footprints = true,
+                _ => {}
+            }
+        }
+    }
+}
+
 /// The Back view.
 #[derive(Default)]
 pub struct BackView {
@@ -124,11 +152,12 @@ impl Panel for BackView {
     }
 
     fn keep(&self) -> Option<String> {
-        Some(self.colour.kept())
+        Some(format!("{}{}", self.colour.kept(), self.options.kept()))
     }
 
     fn recall(&mut self, kept: &str) {
         self.colour.recall(kept);
+        self.options.recall(kept);
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, cx: &PanelContext<'_>) {
@@ -346,6 +375,27 @@ impl BackView {
                 })
                 .collect(),
             overlay: Overlay::default(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_option_is_taken_back_as_it_was_kept() {
+        for i in 0..16 {
+            let bit = |k: i32| i >> k & 1 == 1;
+            let options = Options {
+                wireframe: bit(0),
+                arrows: bit(1),
+                landmarks: bit(2),
+                footprints: bit(3),
+            };
+            let mut again = Options::default();
+            again.recall(&format!("colour=skin{} unknown", options.kept()));
+            assert_eq!(again, options);
         }
     }
 }
