@@ -263,6 +263,47 @@ fn a_scene_with_measured_fibres_shows_its_ellipses() {
     assert!(window.shows("degrees") && window.held() == Some(4 * ovals.len()));
 }
 
+/// Above 50,000 vertices a field is worked through beside the window, which goes on drawing.
+#[test]
+fn a_large_surface_gets_its_colours_a_little_later() {
+    let Some(mut window) = Window::open(true, "colour=stiffness") else {
+        return;
+    };
+    let first = window.end("Upper end of the range");
+    let example = scenario::default_example();
+    let text = example
+        .text
+        .replace("triangles = 20389", "triangles = 110000");
+    let parsed = Scenario::parse(&text, "large", None).unwrap();
+    let purpose = Use {
+        drawn: true,
+        ..Use::default()
+    };
+    let scene = scenario::build(Arc::new(parsed), purpose, &mut |_, _| true).unwrap();
+    let n = scene.surface.positions().len();
+    assert!(n > 50_000);
+    let [low, high] = most_stiffness(&scene);
+    {
+        let mut view = window.view.lock().unwrap();
+        view.scene = Some(Arc::new(scene));
+        view.scene_generation += 1;
+    }
+    window.frames(1);
+    for _ in 0..500 {
+        if window.held() == Some(4 * n) {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(10));
+        window.frames(1);
+    }
+    assert_eq!(window.held(), Some(4 * n));
+    window.frames(2);
+    assert!(!window.shows("working…"));
+    assert!((window.end("Lower end of the range") - low).abs() < 1e-6);
+    assert!((window.end("Upper end of the range") - high).abs() < 1e-6);
+    assert!((high - first).abs() < 0.2, "the same map on a finer skin");
+}
+
 #[test]
 fn strain_has_a_symmetric_range_that_grows_is_held_and_begins_anew() {
     let Some(mut window) = Window::open(true, "colour=strain") else {

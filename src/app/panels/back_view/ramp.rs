@@ -213,8 +213,16 @@ fn ramp_ui(
     if let Some(step) = contour_step {
         let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
         for i in (first..=last).take(64) {
-            let y = y_at(share(i as f64 * step));
-            let line = Stroke::new(1.0, egui::Color32::from_black_alpha(110));
+            let at = share(i as f64 * step);
+            let y = y_at(at);
+            // Light on dark colours, as on the skin.
+            let [r, g, b] = quantity.map.at(at).map(u32::from);
+            let ink = if 2 * r + 7 * g + b > 1100 {
+                egui::Color32::from_black_alpha(120)
+            } else {
+                egui::Color32::from_white_alpha(110)
+            };
+            let line = Stroke::new(1.0, ink);
             painter.hline(ramp.x_range(), y, line);
         }
     }
