@@ -2,7 +2,8 @@
 //!
 //! A [`Model`] turns presses into a [`Displacement`] of the vertices from rest. Its parts each answer one question and know
 //! nothing of the others: [`footprint`] how far out a point lies (the ratio q), [`curve`] how much is left there (M(q)),
-//! [`RingSearch`] which vertices hang together with the finger.
+//! [`RingSearch`] which vertices hang together with the finger, [`strain`] how far the skin is drawn out. What they do for
+//! many vertices they do for [`Patches`] of 64.
 
 mod blocks;
 pub mod bones;

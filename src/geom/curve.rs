@@ -267,7 +267,7 @@ impl Curve {
         self.lookup
     }
 
-    /// Turns each location ratio q into M(q), at two thirds of the time of [`Curve::at`] for each and with the same bits.
+    /// Turns each location ratio q into M(q), two at a time and with the same bits as [`Curve::at`].
     #[inline]
     pub fn apply<const N: usize>(&self, ratios: &mut [f64; N]) {
         match self.lookup {
