@@ -81,13 +81,13 @@ pub fn locked(ui: &mut egui::Ui, theme: &Theme) {
     ui.label(egui::RichText::new(text).color(theme.warning));
 }
 
-/// Fit and zoom, over the upper right corner of the canvas.
+/// Fit and zoom, over the upper right corner of the canvas, below the line that tells the value under the pointer.
 pub fn view_buttons(ui: &mut egui::Ui, rect: Rect, canvas: &mut Canvas) {
     if rect.width() < 160.0 {
         return;
     }
     let size = vec2(62.0, 26.0);
-    let place = Rect::from_min_size(pos2(rect.right() - size.x - 6.0, rect.top() + 5.0), size);
+    let place = Rect::from_min_size(pos2(rect.right() - size.x - 6.0, rect.top() + 32.0), size);
     let fill = ui.visuals().panel_fill.gamma_multiply(0.88);
     ui.painter().rect_filled(place, 5.0, fill);
     let builder = egui::UiBuilder::new()
