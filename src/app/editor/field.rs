@@ -35,6 +35,8 @@ pub struct Spec<M> {
     pub read: Arc<dyn for<'a> Fn(&'a M) -> Reader<'a> + Send + Sync>,
     /// Whether lines of equal value make sense: not for directions.
     pub lines: bool,
+    /// Whether there is a line at 0: not where most of the field is 0 but for rounding, which it would trace.
+    pub line_at_zero: bool,
 }
 
 /// A picture.
@@ -165,6 +167,7 @@ impl<M: Send + Sync + 'static> Field<M> {
             .filter(|p| p.map_state == spec.map)
             .map(|p| p.map.clone());
         let (build, read, lines) = (spec.build.clone(), spec.read.clone(), spec.lines);
+        let line_at_zero = spec.line_at_zero;
         let (map_state, quantity) = (spec.map, spec.quantity);
         // A quick one is let finish: stopped by every step of a drag, none would ever come.
         let slow = self
@@ -185,10 +188,11 @@ impl<M: Send + Sync + 'static> Field<M> {
             let go_on: &dyn Fn() -> bool = if coarse { &|| true } else { go_on };
             let grid = Grid::sample(area, cell_mm, read(&map), go_on)?;
             let s_per_sample = started.elapsed().as_secs_f64() / grid.values.len() as f64;
-            let (levels, step) = match grid.range() {
+            let (mut levels, step) = match grid.range() {
                 Some((lo, hi)) if lines => contour::levels(lo, hi, LEVELS),
                 _ => (Vec::new(), 1.0),
             };
+            levels.retain(|level| line_at_zero || level.abs() > 1e-6 * step);
             Some(Ok(Picture {
                 map_state,
                 quantity,
@@ -235,6 +239,7 @@ mod tests {
                 })
             }),
             lines: true,
+            line_at_zero: map != 3,
         }
     }
 
@@ -271,6 +276,8 @@ mod tests {
         assert!(picture.grid.values.len() as f64 > 0.8 * FINE);
         assert!(picture.grid.area.with(&area()) == picture.grid.area);
         assert_eq!(picture.step, 50.0);
+        let levels: Vec<_> = picture.contours.iter().map(|c| c.level).collect();
+        assert_eq!(levels[0], 0.0 + picture.step, "none at 0 here: {levels:?}");
         let before = field.made();
         settle(&mut field, &spec(3, true));
         assert_eq!(field.made(), before, "nothing changed, nothing is made");

@@ -317,8 +317,8 @@ fn canvas_ui(
         };
         let (title, note) = if state.show.difference {
             let largest = picture.as_ref().and_then(|p| p.grid.largest());
-            let note = largest
-                .map(|(v, at)| format!("largest in view {v:+.2} at ({:.0}, {:.0}) mm", at.x, at.y));
+            let note =
+                largest.map(|(v, at)| format!("largest {v:+.2} at ({:.0}, {:.0})", at.x, at.y));
             (format!("Published − corrected{unit}"), note)
         } else {
             (format!("{}{unit}", quantity.text()), None)

@@ -192,6 +192,7 @@ pub fn spec(doc: &Doc, state: u64, show: &Show) -> Spec<Maps> {
             Box::new(move |place| maps.value(&show, place))
         }),
         lines: show.quantity != Quantity::Direction || show.difference,
+        line_at_zero: !show.difference,
     }
 }
 

@@ -67,6 +67,7 @@ pub fn spec(doc: &Doc, state: u64, show: &Show) -> Spec<Maps> {
             Box::new(move |place: Vec2| reader(place))
         }),
         lines: true,
+        line_at_zero: true,
     }
 }
 
