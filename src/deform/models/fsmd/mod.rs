@@ -7,7 +7,7 @@
 //! tangential part  (P − A) cut to max_tangential · M(q_t)
 //! ```
 //!
-//! with A, P, N, d of the [`Press`], M the [`Curve`], q_t the location ratio of J in the tangential footprint round A and
+//! with A, P, N, d of the [`Press`], M the [`Curve`](crate::geom::curve::Curve), q_t the location ratio of J in the tangential footprint round A and
 //! q_n that in the normal one, which is the same ellipse scaled by s(d) = s0 + (s1 − s0) · min(d, max) / max. A vertex at the
 //! anchor so lands on the HIP while both are below their caps. Both parts move only what hangs together with the finger
 //! inside their own footprint.
