@@ -402,7 +402,8 @@ fn relief_reads_under_the_colour() {
         picture.tint = tint(Map::Sequential, 0.0, 1.0);
         for value in [0.1, 0.5, 0.9] {
             mesh.set_values(Some(Values::same(value)));
-            let (image, _) = bench.draw(&picture, &mut mesh);
+            let (image, painted) = bench.draw(&picture, &mut mesh);
+            assert!(painted.drawn, "other values are another picture");
             image.keep(&format!("relief_{value}.png"));
             let lightness: Vec<i32> = (-60..60)
                 .map(|x| {

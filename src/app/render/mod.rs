@@ -272,6 +272,7 @@ impl Renderer {
             }
         }
         if let Some(skin) = &mut self.skin {
+            changed |= picture.tint.is_some() && !skin.holds(mesh.values());
             uploaded_values = skin.follow_values(gl, mesh, picture.tint.is_some())?;
         }
         let target = &mut self.targets[usize::from(picture.draft)];

@@ -6,6 +6,7 @@ use super::gl::{Bound, Program, VertexArray, attribute};
 use super::light::Light;
 use super::mesh::{PLAIN_SHADE, SkinMesh, SkinVertex, edges};
 use super::tint::{Tint, TintBuffer, Tinting};
+use super::values::Values;
 use eframe::glow::{self, HasContext as _};
 use std::ops::Range;
 
@@ -199,6 +200,14 @@ impl Skin {
                 self.tint = Some(TintBuffer::new(gl, values, |gl| declare(gl, buffers))?);
                 Ok(0)
             }
+        }
+    }
+
+    /// Whether these are the values it is coloured by, be they up to date or not.
+    pub fn holds(&self, values: Option<&Values>) -> bool {
+        match (&self.tint, values) {
+            (Some(held), Some(values)) => held.is_of(values),
+            (held, values) => held.is_none() && values.is_none(),
         }
     }
 

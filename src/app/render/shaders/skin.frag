@@ -156,10 +156,11 @@ void main() {
         + wrapped(dot(n, u_fill)) * vec3(0.31, 0.285, 0.265) * around;
 
 #ifdef TINT
-    // White light: only how much of it there is against flat skin, lighter parts held back so that colours keep their hue.
+    // White light: only how much of it there is against flat skin, darker parts deepened so that relief reads under any
+    // colour, lighter ones held back so that colours keep their hue.
     float lit = dot(diffuse, vec3(1.0 / 3.0)) / u_flat;
     vec3 color = tinted;
-    color *= lit < 1.0 ? mix(1.0, lit, 0.9) : min(1.0 + 0.55 * (lit - 1.0), 1.3);
+    color *= lit < 1.0 ? pow(max(lit, 0.0), 1.8) : min(1.0 + 0.9 * (lit - 1.0), 1.4);
 #else
     float nh = max(dot(n, normalize(u_key + v)), 0.0);
     nh *= nh;
