@@ -15,7 +15,7 @@ use dorsum::app::state::View;
 use dorsum::app::theme::DARK;
 use dorsum::geom::Vec2;
 use dorsum::maps::{EllipseMap, Fit, Form, Level, StiffnessMap, appendix};
-use dorsum::scenario::{self, Scenario, Scene, Use};
+use dorsum::scenario::{self, Item, Scenario, Scene, Use};
 use egui::{Key, Modifiers, PointerButton, Pos2};
 use egui_kittest::{Harness, kittest::Queryable as _};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -590,9 +590,16 @@ fn a_closed_panel_holds_nothing_and_a_replay_cannot_be_edited() {
         view.scene.as_ref().unwrap().surface.clone()
     };
     let open = Arc::strong_count(&surface);
+    let held = |window: &Window| {
+        let parts = window.view.lock().unwrap().parts.list();
+        let editor = parts.into_iter().find(|(i, _)| *i == Item::StiffnessEditor);
+        editor.map(|(_, cost)| cost.bytes)
+    };
+    assert!(held(&window).is_some_and(|bytes| bytes > 10_000));
     window.closed.store(true, Ordering::Relaxed);
     window.frames(2);
     assert!(Arc::strong_count(&surface) < open);
+    assert_eq!(held(&window), None);
     window.closed.store(false, Ordering::Relaxed);
     let replaying = support::views()
         .into_iter()

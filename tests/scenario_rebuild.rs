@@ -34,6 +34,8 @@ const DRAWN: Use = Use {
     plotted: false,
     partitioned: false,
     coloured: false,
+    ellipse_edited: false,
+    stiffness_edited: false,
 };
 
 fn parsed(text: &str) -> Arc<Scenario> {

@@ -21,6 +21,10 @@ pub struct Use {
     pub partitioned: bool,
     /// A quantity colours the skin.
     pub coloured: bool,
+    /// The Ellipse map panel is open.
+    pub ellipse_edited: bool,
+    /// The Stiffness map panel is open.
+    pub stiffness_edited: bool,
 }
 
 /// A part that a scene may need.
@@ -56,6 +60,10 @@ pub enum Item {
     SurfaceColour,
     /// A published tree of cells, to be looked at.
     PartitionTree,
+    /// Canvas and colour field of the ellipse map's editor.
+    EllipseEditor,
+    /// Canvas and colour field of the stiffness map's editor.
+    StiffnessEditor,
     /// Plot history.
     PlotHistory,
     /// The recorder's writer.
@@ -64,7 +72,7 @@ pub enum Item {
 
 impl Item {
     /// Every part, in the order of the ledger.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 19] = [
         Self::Surface,
         Self::Search,
         Self::StiffnessField,
@@ -80,6 +88,8 @@ impl Item {
         Self::GraphicsMesh,
         Self::SurfaceColour,
         Self::PartitionTree,
+        Self::EllipseEditor,
+        Self::StiffnessEditor,
         Self::PlotHistory,
         Self::Recorder,
     ];
@@ -102,6 +112,8 @@ impl Item {
             Self::GraphicsMesh => "Graphics mesh",
             Self::SurfaceColour => "Surface colour",
             Self::PartitionTree => "Partition tree",
+            Self::EllipseEditor => "Ellipse map editor",
+            Self::StiffnessEditor => "Stiffness map editor",
             Self::PlotHistory => "Plot history",
             Self::Recorder => "Recorder",
         }
@@ -197,6 +209,16 @@ impl Item {
                 purpose.partitioned,
                 "partition panel",
                 "no partition panel is open and no engine uses it",
+            ),
+            Self::EllipseEditor => choose(
+                purpose.ellipse_edited,
+                "ellipse map panel",
+                "the panel is closed",
+            ),
+            Self::StiffnessEditor => choose(
+                purpose.stiffness_edited,
+                "stiffness map panel",
+                "the panel is closed",
             ),
             Self::PlotHistory => choose(purpose.plotted, "plots", "no plot is open"),
             Self::Recorder => choose(purpose.recorded, "recording", "nothing is recorded"),

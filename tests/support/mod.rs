@@ -38,6 +38,8 @@ pub fn scene() -> Arc<Scene> {
                 plotted: true,
                 partitioned: false,
                 coloured: false,
+                ellipse_edited: false,
+                stiffness_edited: false,
             };
             let scene = scenario::build(Arc::new(scenario), purpose, &mut |_, _| true);
             Arc::new(scene.unwrap())

@@ -47,6 +47,8 @@ const PURPOSE: Use = Use {
     plotted: true,
     // Built by its panel, on its own.
     partitioned: false,
+    ellipse_edited: false,
+    stiffness_edited: false,
     coloured: false,
 };
 

@@ -75,6 +75,8 @@ impl Shared {
             plotted: chrome.plotted,
             partitioned: chrome.partitioned,
             coloured: view.parts.has(Item::SurfaceColour),
+            ellipse_edited: view.parts.has(Item::EllipseEditor),
+            stiffness_edited: view.parts.has(Item::StiffnessEditor),
         };
         view
     }

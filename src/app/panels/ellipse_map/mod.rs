@@ -28,10 +28,10 @@ use crate::app::editor::frame;
 use crate::app::editor::scale;
 use crate::app::editor::section::Section;
 use crate::app::panels::partition::wake;
-use crate::app::state::View;
+use crate::app::state::{PartCost, View};
 use crate::app::widgets::{empty_ui, icon_button};
 use crate::geom::Vec2;
-use crate::scenario::Scenario;
+use crate::scenario::{Item, Scenario};
 use doc::Doc;
 use egui_material_icons::icons as icon;
 use ratio::LocationRatio;
@@ -101,8 +101,10 @@ impl Panel for EllipseMapPanel {
         false
     }
 
-    fn release(&mut self, _view: &View) {
-        self.state = None;
+    fn release(&mut self, view: &View) {
+        if self.state.take().is_some() {
+            view.parts.remove(Item::EllipseEditor);
+        }
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, cx: &PanelContext<'_>) {
@@ -145,6 +147,11 @@ impl Panel for EllipseMapPanel {
         });
         ui.advance_cursor_after_rect(whole);
         state.editing.send(ui.ctx(), cx);
+        let cost = PartCost {
+            bytes: state.canvas.bytes() + state.field.bytes(),
+            cost_us: None,
+        };
+        cx.view.parts.report(Item::EllipseEditor, cost);
     }
 }
 

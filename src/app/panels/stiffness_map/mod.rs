@@ -27,9 +27,9 @@ use crate::app::editor::frame;
 use crate::app::editor::scale;
 use crate::app::editor::section::Section;
 use crate::app::panels::partition::wake;
-use crate::app::state::View;
+use crate::app::state::{PartCost, View};
 use crate::app::widgets::empty_ui;
-use crate::scenario::Scenario;
+use crate::scenario::{Item, Scenario};
 use compare::Comparison;
 use doc::{Brush, Doc};
 use egui_material_icons::icons as icon;
@@ -104,8 +104,10 @@ impl Panel for StiffnessMapPanel {
         false
     }
 
-    fn release(&mut self, _view: &View) {
-        self.state = None;
+    fn release(&mut self, view: &View) {
+        if self.state.take().is_some() {
+            view.parts.remove(Item::StiffnessEditor);
+        }
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, cx: &PanelContext<'_>) {
@@ -148,6 +150,11 @@ impl Panel for StiffnessMapPanel {
         });
         ui.advance_cursor_after_rect(whole);
         state.editing.send(ui.ctx(), cx);
+        let cost = PartCost {
+            bytes: state.canvas.bytes() + state.field.bytes(),
+            cost_us: None,
+        };
+        cx.view.parts.report(Item::StiffnessEditor, cost);
     }
 }
 
