@@ -15,6 +15,7 @@
 //! | [`maps`] | how stiff is the skin at a point, in which ellipse does it give way |
 //! | [`contact`] | where is the proxy, what force does the finger feel |
 //! | [`deform`] | how does the drawn skin move |
+//! | [`mod@reference`] | what elasticity says it does |
 //! | [`device`] | where is the finger, who takes the force |
 //! | [`servo`] | the tick, the 1 kHz thread and its three lines to the window |
 //! | [`session`] | how a run is written, read, replayed and checked |
@@ -40,6 +41,7 @@ pub mod geom;
 pub mod lab;
 pub mod maps;
 pub mod partition;
+pub mod reference;
 pub mod scenario;
 pub mod servo;
 pub mod session;

@@ -12,6 +12,7 @@ const ORDER: &[&str] = &[
     "maps",
     "contact",
     "deform",
+    "reference",
     "device",
     "servo",
     "session",

@@ -36,6 +36,7 @@ pub fn all() -> &'static [&'static dyn Experiment] {
         &deform::CurveArrays,
         &deform::LocationRatio,
         &deform::Curves,
+        &deform::Yardsticks,
     ]
 }
 

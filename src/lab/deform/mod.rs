@@ -3,12 +3,14 @@
 mod curve_arrays;
 mod curves;
 mod location_ratio;
+mod yardsticks;
 
 use crate::figure::{Mark, Series};
 
 pub use curve_arrays::CurveArrays;
 pub use curves::Curves;
 pub use location_ratio::{Excess, LocationRatio, boundary_excess, excess_at};
+pub use yardsticks::Yardsticks;
 
 /// sRGB colours of plots; none is a finger's.
 const INK: [u8; 3] = [24, 26, 30];
