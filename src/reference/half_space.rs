@@ -2,7 +2,7 @@
 
 use super::bessel::i01_scaled;
 use super::material::Elastic;
-use super::{Dent, depth};
+use super::{Dent, depth, size_mm};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Gaussian pressure of standard deviation s: u = F / (√(2π) E* s) · e^(−x) I₀(x), x = r² / 4s².
@@ -13,11 +13,11 @@ pub struct Gaussian {
 }
 
 impl Gaussian {
-    /// Pressure with standard deviation `deviation_mm` > 0 on `material`.
+    /// Pressure with standard deviation `deviation_mm` on `material`; 1 to 100 mm.
     pub fn new(material: Elastic, deviation_mm: f64) -> Self {
         Self {
             material,
-            deviation_mm,
+            deviation_mm: size_mm(deviation_mm),
         }
     }
 }
@@ -51,11 +51,11 @@ pub struct Disc {
 }
 
 impl Disc {
-    /// A disc of radius `radius_mm` > 0 on `material`.
+    /// A disc of radius `radius_mm` on `material`; 1 to 100 mm.
     pub fn new(material: Elastic, radius_mm: f64) -> Self {
         Self {
             material,
-            radius_mm,
+            radius_mm: size_mm(radius_mm),
         }
     }
 }
@@ -112,11 +112,11 @@ pub struct Sphere {
 }
 
 impl Sphere {
-    /// A sphere of radius `radius_mm` > 0 on `material`.
+    /// A sphere of radius `radius_mm` on `material`; 1 to 100 mm.
     pub fn new(material: Elastic, radius_mm: f64) -> Self {
         Self {
             material,
-            radius_mm,
+            radius_mm: size_mm(radius_mm),
         }
     }
 }

@@ -2,7 +2,7 @@
 //! ch. 10; Johnson 1985, 5.8).
 
 use super::material::Elastic;
-use super::{Dent, depth};
+use super::{Dent, depth, size_mm};
 use std::f64::consts::PI;
 
 /// u(r) = (2/E*) ∫ P(k) G(kh) J₀(kr) dk with P = F/(2π) e^(−k² s²/2),
@@ -25,9 +25,10 @@ const GAUSS: [(f64, f64); 4] = [
 ];
 
 impl Bonded {
-    /// A layer `thickness_mm` > 0 thick of `material` under pressure with standard deviation `deviation_mm` > 0.
+    /// A layer `thickness_mm` thick of `material` under pressure with standard deviation `deviation_mm`, both 1 to 100 mm. What
+    /// lies outside is brought within.
     pub fn new(material: Elastic, deviation_mm: f64, thickness_mm: f64) -> Self {
-        let (s, h) = (deviation_mm, thickness_mm);
+        let (s, h) = (size_mm(deviation_mm), size_mm(thickness_mm));
         // Beyond ten thicknesses, and beyond the load, a layer is at rest.
         let reach_mm = 12.0 * h.max(s);
         let step_mm = 0.02 * h.min(s * 2.0);
@@ -140,7 +141,7 @@ mod tests {
     fn thicker_and_thicker_layers_become_a_half_space() {
         let settles = |dent: &dyn Dent| 1.0 / dent.force_n(1.0);
         let body = settles(&Gaussian::new(Elastic::MUSCLE, 3.5));
-        let [thin, thick] = [60.0, 120.0].map(|h| settles(&Bonded::new(Elastic::MUSCLE, 3.5, h)));
+        let [thin, thick] = [50.0, 100.0].map(|h| settles(&Bonded::new(Elastic::MUSCLE, 3.5, h)));
         let ratio = (body - thin) / (body - thick);
         assert!((ratio - 2.0).abs() < 0.01, "{ratio}");
     }

@@ -1,7 +1,7 @@
 //! A tensed skin on a bed of springs: T ∇²w − k_w w = −p (Winkler 1867; Timoshenko and Woinowsky-Krieger 1959, ch. 8).
 
 use super::bessel::{i01_scaled, k01};
-use super::{Dent, depth};
+use super::{Dent, depth, size_mm};
 use std::f64::consts::PI;
 
 /// Uniform pressure on a disc of radius a. With λ = √(T/k_w): inside w = (p/k_w) [1 − (a/λ) K₁(a/λ) I₀(r/λ)], outside
@@ -14,13 +14,17 @@ pub struct Tensed {
 }
 
 impl Tensed {
-    /// A skin with λ = `length_mm` > 0 under a disc of radius `radius_mm` > 0 on a bed of `bed_n_per_mm3` > 0 (pressure per
-    /// depth).
+    /// A skin with λ = `length_mm` under a disc of radius `radius_mm`, both 1 to 100 mm, on a bed of `bed_n_per_mm3`, pressure
+    /// per depth, 1e-6 to 1. What lies outside is brought within.
     pub fn new(length_mm: f64, radius_mm: f64, bed_n_per_mm3: f64) -> Self {
         Self {
-            length_mm,
-            radius_mm,
-            bed_n_per_mm3,
+            length_mm: size_mm(length_mm),
+            radius_mm: size_mm(radius_mm),
+            bed_n_per_mm3: if bed_n_per_mm3 >= 1.0e-6 {
+                bed_n_per_mm3.min(1.0)
+            } else {
+                1.0e-6
+            },
         }
     }
 

@@ -3,6 +3,7 @@
 
 use super::bessel::i01_scaled;
 use super::material::Elastic;
+use super::size_mm;
 use crate::geom::Vec2;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -18,11 +19,11 @@ pub struct Gaussian {
 }
 
 impl Gaussian {
-    /// Traction with standard deviation `deviation_mm` > 0 on `material`.
+    /// Traction with standard deviation `deviation_mm` on `material`; 1 to 100 mm.
     pub fn new(material: Elastic, deviation_mm: f64) -> Self {
         Self {
             material,
-            deviation_mm,
+            deviation_mm: size_mm(deviation_mm),
         }
     }
 
