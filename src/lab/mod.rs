@@ -10,6 +10,7 @@ mod clock;
 pub mod contact;
 pub mod deform;
 mod document;
+pub mod error;
 pub mod partition;
 mod report;
 mod table;
@@ -33,6 +34,7 @@ pub fn all() -> &'static [&'static dyn Experiment] {
         &partition::Threshold,
         &partition::BoxSize,
         &contact::Torture,
+        &error::ErrorVsTime,
         &deform::CurveArrays,
         &deform::LocationRatio,
         &deform::Curves,

@@ -59,6 +59,11 @@ impl Elastic {
         self.e_n_per_mm2 / (1.0 - self.nu * self.nu)
     }
 
+    /// Bulk modulus K = E / (3 (1 − 2ν)), N/mm²; infinite at ν = 0.5.
+    pub fn bulk_n_per_mm2(self) -> f64 {
+        self.e_n_per_mm2 / (3.0 * (1.0 - 2.0 * self.nu))
+    }
+
     /// Shear modulus G = E / (2 (1 + ν)), N/mm².
     pub fn shear_n_per_mm2(self) -> f64 {
         self.e_n_per_mm2 / (2.0 * (1.0 + self.nu))

@@ -13,10 +13,16 @@
 //! | [`traction`] | a body without end dragged along its surface (Cerruti) |
 
 mod bessel;
+pub mod continuum;
+pub mod fem;
 pub mod half_space;
 pub mod layer;
 pub mod material;
 pub mod membrane;
+pub mod patch;
+pub mod slab;
+mod spread;
+pub mod springs;
 pub mod traction;
 
 pub use material::{Elastic, MaterialError};
