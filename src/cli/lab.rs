@@ -155,6 +155,7 @@ fn setup(args: &LabArgs, chosen: &[&dyn Experiment]) -> Result<Setup, CliError> 
         quick: args.quick,
         mesh,
         triangles: args.triangles.clone(),
+        ..Setup::default()
     })
 }
 

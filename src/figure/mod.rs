@@ -5,6 +5,7 @@
 
 mod axis;
 mod camera;
+pub mod cells;
 mod file;
 mod image;
 pub mod picture;
@@ -14,6 +15,7 @@ mod relief;
 
 pub use axis::Scale;
 pub use camera::Camera;
+pub use cells::{CellMap, Class};
 pub use file::write_files;
 pub use image::Image;
 pub use picture::{Ball, Picture};

@@ -1,6 +1,6 @@
 //! All that one run of the lab found, and its files.
 
-use super::Report;
+use super::{Drawing, Report};
 use crate::figure::{self, write_files};
 use serde::{Deserialize, Serialize};
 use std::io::{Error, Result};
@@ -100,7 +100,10 @@ pub fn write(document: &Document, name: &str, folder: &Path) -> Result<Vec<PathB
             files.push((path(&table.name, "csv"), table.csv()?));
         }
         for drawing in &report.figures {
-            let svg = figure::plot::svg(&drawing.plots)?;
+            let svg = match &drawing.drawing {
+                Drawing::Plots(plots) => figure::plot::svg(plots)?,
+                Drawing::Map(map) => figure::cells::svg(map)?,
+            };
             files.push((path(&drawing.name, "svg"), svg.into_bytes()));
         }
     }

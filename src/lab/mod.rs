@@ -13,15 +13,19 @@ mod document;
 pub mod error;
 pub mod partition;
 mod report;
+mod shelf;
 mod table;
 mod watch;
 
+use crate::scenario::Scenario;
 use crate::surface::Surface;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 pub use clock::{Samples, Stopwatch};
 pub use document::{Document, Machine, write};
-pub use report::{Figure, Report, Setting, Verdict};
+pub use report::{Drawing, Figure, Report, Setting, Verdict};
+pub use shelf::Shelf;
 pub use table::{Column, Table, Value};
 pub use watch::{Stopped, Watch};
 
@@ -34,7 +38,6 @@ pub fn all() -> &'static [&'static dyn Experiment] {
         &partition::Threshold,
         &partition::BoxSize,
         &contact::Torture,
-        &error::ErrorVsTime,
         &deform::CurveArrays,
         &deform::LocationRatio,
         &deform::Curves,
@@ -71,6 +74,23 @@ pub struct Setup {
     pub mesh: Option<Mesh>,
     /// Sizes of the built-in back, triangles; the experiment's own where empty.
     pub triangles: Vec<usize>,
+    /// The scene to work in; the experiment's own without one.
+    pub scene: Option<Scene>,
+    /// A recorded session to work on; a scripted one without it.
+    pub session: Option<PathBuf>,
+    /// Where chance starts: the same seed gives the same.
+    pub seed: u64,
+    /// Keeps finished parts, so that a run that was stopped goes on where it was.
+    pub shelf: Shelf,
+}
+
+/// A scenario and where it came from.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// As the user named it.
+    pub name: String,
+    /// What it says.
+    pub scenario: Arc<Scenario>,
 }
 
 /// A surface and where it came from.
@@ -89,6 +109,12 @@ pub enum Choice {
     Mesh,
     /// [`Setup::triangles`].
     Triangles,
+    /// [`Setup::scene`].
+    Scene,
+    /// [`Setup::session`].
+    Session,
+    /// [`Setup::seed`].
+    Seed,
 }
 
 /// Why there is no report.

@@ -1,7 +1,7 @@
 //! What an experiment answers.
 
 use super::Table;
-use crate::figure::LinePlot;
+use crate::figure::{CellMap, LinePlot};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -42,7 +42,15 @@ impl Report {
     pub fn draw(&mut self, name: &str, plots: Vec<LinePlot>) {
         self.figures.push(Figure {
             name: name.to_owned(),
-            plots,
+            drawing: Drawing::Plots(plots),
+        });
+    }
+
+    /// Adds a map of cells.
+    pub fn draw_map(&mut self, name: &str, map: CellMap) {
+        self.figures.push(Figure {
+            name: name.to_owned(),
+            drawing: Drawing::Map(map),
         });
     }
 
@@ -61,14 +69,29 @@ pub struct Setting {
     pub value: String,
 }
 
-/// Plots in one drawing, over a common x axis.
+/// One drawing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Figure {
     /// Name in file names: lower case and hyphens.
     pub name: String,
-    /// The plots from top to bottom. Not part of JSON: the tables hold the figures.
+    /// What is drawn. Not part of JSON: the tables hold the figures.
     #[serde(skip)]
-    pub plots: Vec<LinePlot>,
+    pub drawing: Drawing,
+}
+
+/// What a figure shows.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Drawing {
+    /// Curves, from top to bottom, over a common x axis.
+    Plots(Vec<LinePlot>),
+    /// Cells of classes, with curves over them.
+    Map(CellMap),
+}
+
+impl Default for Drawing {
+    fn default() -> Self {
+        Self::Plots(Vec::new())
+    }
 }
 
 /// Whether something holds.
