@@ -14,6 +14,7 @@ pub mod error;
 pub mod partition;
 mod report;
 mod shelf;
+pub mod stability;
 mod table;
 mod watch;
 
