@@ -9,6 +9,7 @@ fn dorsum(folder: &Path, arguments: &[&str]) -> Output {
         .arg("lab")
         .args(arguments)
         .current_dir(folder)
+        .env("XDG_CACHE_HOME", folder.join("cache"))
         .output()
         .expect("the program starts")
 }
@@ -62,6 +63,9 @@ fn an_experiment_is_printed_and_written_alike() {
     let printed = json(&dorsum(folder.path(), &["partition-complexity", "--json"]));
     assert_eq!(written["experiments"], printed["experiments"]);
     assert_eq!(printed["holds"], true);
+    assert_eq!(printed["seed"], 0);
+    let build = printed["build"].as_str().expect("text");
+    assert!(build.len() == 12 && shown.contains(&format!("build {build}, seed 0")));
     assert_eq!(printed["experiments"][0]["tables"][0]["rows"][0][0], "bsp");
 }
 
@@ -82,6 +86,22 @@ fn bad_input_is_one_line_that_says_what_is_allowed_and_nothing_is_written() {
             "--triangles: partition-complexity",
         ),
         (
+            &["partition-complexity", "--scenario", "bones"],
+            "--scenario: partition-complexity takes none",
+        ),
+        (
+            &["partition-complexity", "--session", "file"],
+            "--session: partition-complexity takes none",
+        ),
+        (
+            &["partition-complexity", "--seed", "1"],
+            "--seed: partition-complexity takes none",
+        ),
+        (
+            &["partition-complexity", "--no-cache", "--fresh"],
+            "cannot be used with",
+        ),
+        (
             &["partition", "--triangles", "1"],
             "200 to 4000000 triangles",
         ),
@@ -100,4 +120,38 @@ fn bad_input_is_one_line_that_says_what_is_allowed_and_nothing_is_written() {
     }
     let left = std::fs::read_dir(folder.path()).expect("a folder").count();
     assert_eq!(left, 1, "only what was there");
+}
+
+#[test]
+fn a_second_run_shows_what_was_kept_unless_told_otherwise() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let measured = |arguments: &[&str]| {
+        let all = [&["partition-complexity", "--quick", "--json"], arguments].concat();
+        let told = json(&dorsum(folder.path(), &all));
+        told["experiments"][0]["measured"]
+            .as_str()
+            .expect("a time")
+            .to_owned()
+    };
+    let first = measured(&[]);
+    assert_eq!(measured(&[]), first);
+    let shown = dorsum(folder.path(), &["partition-complexity", "--quick"]);
+    let told = format!("Kept since {first}: --fresh measures anew");
+    assert!(text(&shown.stdout).contains(&told));
+    assert_ne!(measured(&["--no-cache"]), first);
+    assert_ne!(measured(&["--cache", "elsewhere"]), first);
+    assert!(folder.path().join("elsewhere").is_dir());
+    assert_eq!(measured(&[]), first, "the others left it alone");
+    let anew = measured(&["--fresh"]);
+    assert_ne!(anew, first);
+    assert_eq!(measured(&[]), anew);
+    // Where nothing can be kept, that is said and no more.
+    std::fs::write(folder.path().join("file"), "").expect("written");
+    let output = dorsum(folder.path(), &["partition-complexity", "--cache", "file"]);
+    assert!(output.status.success());
+    let error = text(&output.stderr);
+    assert!(
+        error.contains("not kept") && error.lines().count() == 1,
+        "{error}"
+    );
 }

@@ -1,7 +1,12 @@
 //! Plots as SVG: well formed, labelled, complete, and small.
 
-use dorsum::figure::plot::svg;
-use dorsum::figure::{LEFT, LinePlot, Mark, RIGHT, Scale, Series, write_svg};
+use dorsum::figure::{
+    CellMap, Class, LEFT, LinePlot, Mark, RIGHT, Scale, Series, cells, plot as line_plot, write_svg,
+};
+
+fn svg(plots: &[LinePlot]) -> std::io::Result<String> {
+    line_plot::svg(plots, "")
+}
 
 fn series(name: &str, colour: [u8; 3], points: Vec<[f64; 2]>) -> Series {
     Series {
@@ -344,4 +349,148 @@ fn marks_tell_measured_points_from_curves_and_one_source_from_another() {
     assert_eq!(of(Mark::Points), (4, 0));
     let (rings, dashes) = of(Mark::Dashed);
     assert!(rings == 4 && dashes > 10, "{rings} {dashes}");
+}
+
+#[test]
+fn a_caption_stands_below_and_leaves_the_plot_as_it_is() {
+    let plots = [plot(
+        "Force",
+        "force (N)",
+        vec![series("a", LEFT, wave(50, 1.0))],
+    )];
+    let without = svg(&plots).expect("drawn");
+    let caption = "Dorsum 1.2.3, build 0123456789ab, seed 7; a <fast> & loud machine, 2 threads";
+    let with = line_plot::svg(&plots, caption).expect("drawn");
+    let tags = checked(&with);
+    assert!(with.contains("build 0123456789ab, seed 7; a &lt;fast&gt; &amp; loud machine"));
+    assert_eq!(curves(&tags, LEFT), curves(&checked(&without), LEFT));
+}
+
+/// A map of 4 × 3 cells in three classes.
+fn map() -> CellMap {
+    let class = |name: &str, colour| Class {
+        name: name.to_owned(),
+        colour,
+    };
+    CellMap {
+        title: "Where it holds still".to_owned(),
+        x_label: "damping (N s/m)".to_owned(),
+        y_label: "stiffness (N/mm)".to_owned(),
+        y_scale: Scale::Logarithmic,
+        x_edges: vec![0.0, 1.0, 2.0, 3.0, 4.0],
+        y_edges: vec![0.1, 1.0, 10.0, 100.0],
+        cells: vec![0, 0, 0, 1, 0, 0, 1, 1, 0, 1, 2, 7],
+        classes: vec![
+            class("still", [200, 230, 205]),
+            class("ringing", [250, 220, 150]),
+            class("growing", [235, 150, 130]),
+        ],
+        series: vec![Series {
+            mark: Mark::Dashed,
+            ..series("theory", [20, 24, 30], vec![[-1.0, 0.01], [5.0, 1000.0]])
+        }],
+        ..CellMap::default()
+    }
+}
+
+/// The filled boxes of a colour: left, top, width, height.
+fn boxes(tags: &[String], colour: [u8; 3]) -> Vec<[f64; 4]> {
+    tags.iter()
+        .filter(|t| t.starts_with("rect") && t.contains(&hex(colour)))
+        .map(|t| {
+            [" x=\"", " y=\"", " width=\"", " height=\""].map(|key| {
+                let at = t.split(key).nth(1).and_then(|r| r.split('"').next());
+                at.expect("a size").parse().expect("a number")
+            })
+        })
+        .collect()
+}
+
+#[test]
+fn cells_fill_the_frame_each_in_the_colour_of_its_class() {
+    let text = cells::svg(&map(), "seed 3").expect("drawn");
+    let tags = checked(&text);
+    for told in [
+        "Where it holds still",
+        "damping (N s/m)",
+        "stiffness (N/mm)",
+        "still",
+        "ringing",
+        "growing",
+        "theory",
+        "seed 3",
+        ">100<",
+        ">0.1<",
+    ] {
+        assert!(text.contains(told), "{told} is missing");
+    }
+    let of = |i: usize| boxes(&tags, map().classes[i].colour);
+    // One box in the legend; cells of a class side by side are one.
+    assert_eq!([0, 1, 2].map(|i| of(i).len()), [4, 4, 2]);
+    let cells_of = |i: usize| of(i)[1..].to_vec();
+    let all: Vec<[f64; 4]> = (0..3).flat_map(cells_of).collect();
+    let growing = cells_of(2)[0];
+    // Decades are equally high, columns equally wide.
+    for [_, _, width, height] in &all {
+        let columns = (width / growing[2]).round();
+        assert!((width - columns * growing[2]).abs() <= 8.0, "{all:?}");
+        assert!((height - growing[3]).abs() <= 8.0, "{all:?}");
+    }
+    let area: f64 = all.iter().map(|b| b[2] * b[3]).sum();
+    let frame = [
+        extent(all.iter().flat_map(|b| [b[0], b[0] + b[2]])),
+        extent(all.iter().flat_map(|b| [b[1], b[1] + b[3]])),
+    ];
+    let whole = (frame[0][1] - frame[0][0]) * (frame[1][1] - frame[1][0]);
+    // The last cell has a class that there is not.
+    assert!(
+        (area / whole - 11.0 / 12.0).abs() < 0.01,
+        "{area} of {whole}"
+    );
+    // The stiffest row is at the top, the largest damping on the right.
+    assert!((growing[1] - frame[1][0]).abs() <= 4.0, "{growing:?}");
+    assert!((growing[0] + 2.0 * growing[2] - frame[0][1]).abs() <= 8.0);
+    // The curve reaches out of the frame and is cut there.
+    for p in curves(&tags, [20, 24, 30]).concat() {
+        assert!(
+            p[0] >= frame[0][0] - 4.0 && p[0] <= frame[0][1] + 4.0,
+            "{p:?}"
+        );
+        assert!(
+            p[1] >= frame[1][0] - 4.0 && p[1] <= frame[1][1] + 4.0,
+            "{p:?}"
+        );
+    }
+    assert!(curves(&tags, [20, 24, 30]).len() > 10, "dashes");
+    assert_eq!(text, cells::svg(&map(), "seed 3").expect("drawn"));
+}
+
+#[test]
+fn a_map_that_holds_nothing_says_so_and_an_odd_one_is_drawn_all_the_same() {
+    let empty = cells::svg(&CellMap::default(), "").expect("drawn");
+    checked(&empty);
+    assert!(empty.contains("no data"));
+    let odd = |change: &dyn Fn(&mut CellMap)| {
+        let mut map = map();
+        change(&mut map);
+        let text = cells::svg(&map, "").expect("drawn");
+        checked(&text);
+        assert!(!text.contains("NaN") && !text.contains("inf"));
+        text
+    };
+    assert!(!odd(&|_| {}).contains("no data"));
+    odd(&|m| m.cells.truncate(3));
+    odd(&|m| m.cells.extend([0; 50]));
+    odd(&|m| m.y_edges[0] = 0.0);
+    odd(&|m| m.x_edges[2] = f64::NAN);
+    odd(&|m| m.x_edges = vec![1.0; 5]);
+    odd(&|m| m.x_edges.reverse());
+    odd(&|m| m.series[0].points = vec![[f64::INFINITY, 1.0], [1.0, f64::NAN]]);
+    odd(&|m| m.series[0].mark = Mark::Joined);
+    odd(&|m| m.title = "a < b & \"c\"\u{0}".repeat(90));
+    let bare = odd(&|m| {
+        m.classes.clear();
+        m.series.clear();
+    });
+    assert!(bare.contains("no data"));
 }

@@ -187,7 +187,7 @@ fn a_table_comes_back_from_csv_bit_for_bit() {
 
 #[test]
 fn a_document_comes_back_from_json_as_it_was() {
-    let document = Document::new(false, vec![awkward()]);
+    let document = Document::new(&Setup::default(), vec![awkward()]);
     let text = serde_json::to_string(&document).expect("written");
     let mut back: Document = serde_json::from_str(&text).expect("read");
     assert!(
@@ -204,7 +204,7 @@ fn only_what_must_hold_decides_whether_all_holds() {
     report
         .verdicts
         .push(Verdict::told("fast", "2 µs", "1 µs", false));
-    assert!(report.holds() && Document::new(false, vec![report.clone()]).holds);
+    assert!(report.holds() && Document::new(&Setup::default(), vec![report.clone()]).holds);
     assert!(
         report
             .to_string()
@@ -213,7 +213,7 @@ fn only_what_must_hold_decides_whether_all_holds() {
     report
         .verdicts
         .push(Verdict::must("right", "1 missed", "0", false));
-    assert!(!report.holds() && !Document::new(false, vec![report.clone()]).holds);
+    assert!(!report.holds() && !Document::new(&Setup::default(), vec![report.clone()]).holds);
     assert!(report.to_string().contains("DOES NOT HOLD: right"));
 }
 
@@ -234,7 +234,7 @@ fn listed(folder: &Path) -> Vec<String> {
 #[test]
 fn results_are_files_that_say_the_same() {
     let folder = tempfile::tempdir().expect("a folder");
-    let document = Document::new(false, vec![awkward()]);
+    let document = Document::new(&Setup::default(), vec![awkward()]);
     let files = lab::write(&document, "test", folder.path()).expect("written");
     let names = [
         "test-odd.curve.svg",
@@ -275,7 +275,7 @@ fn a_fault_while_writing_leaves_what_was_there() {
     report
         .tables
         .push(Table::new("no/such/folder", "Nowhere", &["a"]));
-    let document = Document::new(false, vec![report]);
+    let document = Document::new(&Setup::default(), vec![report]);
     assert!(lab::write(&document, "test", folder.path()).is_err());
     assert_eq!(listed(folder.path()), ["test.json"]);
     let kept = std::fs::read_to_string(folder.path().join("test.json")).expect("read");

@@ -1,8 +1,9 @@
 //! `dorsum lab`: experiments, their tables, plots and verdicts.
 
-use super::common::{load_mesh, progress_bar};
+use super::common::{load_mesh, load_scenario, progress_bar};
 use super::{CliError, Outcome, print, print_json};
-use crate::lab::{self, Choice, Document, Experiment, Mesh, Setup, Watch};
+use crate::lab::{self, Choice, Document, Experiment, Mesh, Scene, Setup, Shelf, Watch};
+use crate::session::{Session, utc_now};
 use crate::surface::back;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -13,7 +14,8 @@ use std::sync::Arc;
 pub struct LabArgs {
     /// Experiment, or a group of them such as partition; list names all there are.
     name: String,
-    /// Folder for the results: tables as CSV, plots as SVG, everything as JSON and as text. Made where it is missing.
+    /// Folder for the results: a report as HTML, tables as CSV, figures as SVG, everything as JSON and as text. Made where
+    /// it is missing.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// A look in seconds: fewer repetitions, smaller sizes.
@@ -25,6 +27,24 @@ pub struct LabArgs {
     /// Sizes of the built-in back for experiments that go through several, triangles.
     #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = triangles)]
     triangles: Vec<usize>,
+    /// Scenario file or the name of an example: the scene to work in.
+    #[arg(long, value_name = "FILE")]
+    scenario: Option<String>,
+    /// Recorded session (.mcap) to work on.
+    #[arg(long, value_name = "FILE")]
+    session: Option<PathBuf>,
+    /// Where chance starts: the same number gives the same. Without: 0.
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Folder that keeps finished parts, so that a stopped run goes on. Without: the user's cache folder.
+    #[arg(long, value_name = "DIR", conflicts_with = "no_cache")]
+    cache: Option<PathBuf>,
+    /// Measure anew: throw away what was kept of this experiment under this setup.
+    #[arg(long, conflicts_with = "no_cache")]
+    fresh: bool,
+    /// Keep nothing, and use nothing that was kept.
+    #[arg(long)]
+    no_cache: bool,
 }
 
 fn triangles(text: &str) -> Result<usize, String> {
@@ -39,7 +59,8 @@ fn triangles(text: &str) -> Result<usize, String> {
 /// Runs `dorsum lab`.
 ///
 /// # Errors
-/// Unknown name, an option that does not go with the experiment, a mesh that is refused, a folder that cannot be written.
+/// Unknown name, an option that does not go with the experiment, a mesh, scenario or session that is refused, a folder that
+/// cannot be written.
 pub fn run(args: &LabArgs, json: bool) -> Result<Outcome, CliError> {
     if args.name == "list" {
         return list(json);
@@ -59,7 +80,11 @@ pub fn run(args: &LabArgs, json: bool) -> Result<Outcome, CliError> {
         // Before minutes of work, not after.
         writable(folder).map_err(|e| in_folder(folder, e))?;
     }
+    let started = utc_now();
     let document = work(&chosen, &setup)?;
+    if let Some(trouble) = setup.shelf.trouble() {
+        eprintln!("dorsum: {trouble}");
+    }
     let files = match &args.out {
         Some(folder) => {
             lab::write(&document, &args.name, folder).map_err(|e| in_folder(folder, e))?
@@ -69,7 +94,7 @@ pub fn run(args: &LabArgs, json: bool) -> Result<Outcome, CliError> {
     if json {
         print_json(&document)?;
     } else {
-        show(&document, &files);
+        show(&document, &started, &files);
     }
     Ok(outcome(&document))
 }
@@ -90,17 +115,26 @@ struct Listed {
     about: &'static str,
     takes_mesh: bool,
     takes_triangles: bool,
+    takes_scenario: bool,
+    takes_session: bool,
+    takes_seed: bool,
 }
 
 fn list(json: bool) -> Result<Outcome, CliError> {
     let listed: Vec<Listed> = lab::all()
         .iter()
-        .map(|e| Listed {
-            name: e.name(),
-            group: lab::group_of(e.name()),
-            about: e.about(),
-            takes_mesh: e.takes().contains(&Choice::Mesh),
-            takes_triangles: e.takes().contains(&Choice::Triangles),
+        .map(|e| {
+            let takes = |choice| e.takes().contains(&choice);
+            Listed {
+                name: e.name(),
+                group: lab::group_of(e.name()),
+                about: e.about(),
+                takes_mesh: takes(Choice::Mesh),
+                takes_triangles: takes(Choice::Triangles),
+                takes_scenario: takes(Choice::Scene),
+                takes_session: takes(Choice::Session),
+                takes_seed: takes(Choice::Seed),
+            }
         })
         .collect();
     if json {
@@ -130,6 +164,9 @@ fn setup(args: &LabArgs, chosen: &[&dyn Experiment]) -> Result<Setup, CliError> 
     for (option, given, choice) in [
         ("--mesh", args.mesh.is_some(), Choice::Mesh),
         ("--triangles", !args.triangles.is_empty(), Choice::Triangles),
+        ("--scenario", args.scenario.is_some(), Choice::Scene),
+        ("--session", args.session.is_some(), Choice::Session),
+        ("--seed", args.seed.is_some(), Choice::Seed),
     ] {
         if given && !chosen.iter().any(|e| e.takes().contains(&choice)) {
             let takers: Vec<_> = lab::all()
@@ -140,7 +177,11 @@ fn setup(args: &LabArgs, chosen: &[&dyn Experiment]) -> Result<Setup, CliError> 
             return Err(CliError::input(format_args!(
                 "{option}: {} takes none; it goes with {}",
                 args.name,
-                takers.join(", ")
+                if takers.is_empty() {
+                    "no experiment yet".to_owned()
+                } else {
+                    takers.join(", ")
+                }
             )));
         }
     }
@@ -151,12 +192,35 @@ fn setup(args: &LabArgs, chosen: &[&dyn Experiment]) -> Result<Setup, CliError> 
         }),
         None => None,
     };
+    let scene = match &args.scenario {
+        Some(name) => Some(Scene {
+            name: name.clone(),
+            scenario: Arc::new(load_scenario(name)?),
+        }),
+        None => None,
+    };
+    if let Some(path) = &args.session {
+        Session::open(path).map_err(CliError::input)?;
+    }
     Ok(Setup {
         quick: args.quick,
         mesh,
         triangles: args.triangles.clone(),
-        ..Setup::default()
+        scene,
+        session: args.session.clone(),
+        seed: args.seed.unwrap_or_default(),
+        shelf: shelf(args),
     })
+}
+
+/// Where finished parts are kept.
+fn shelf(args: &LabArgs) -> Shelf {
+    let folder = args.cache.clone().or_else(Shelf::usual_folder);
+    match folder.filter(|_| !args.no_cache) {
+        Some(folder) if args.fresh => Shelf::open(folder).anew(),
+        Some(folder) => Shelf::open(folder),
+        None => Shelf::default(),
+    }
 }
 
 /// Makes the folder and a file in it that goes away again.
@@ -182,10 +246,17 @@ fn work(chosen: &[&dyn Experiment], setup: &Setup) -> Result<Document, CliError>
     document.map_err(CliError::input)
 }
 
-fn show(document: &Document, files: &[PathBuf]) {
-    print(format_args!("Measured on {}", document.machine));
+/// `started`, UTC, tells what was made now from what was kept.
+fn show(document: &Document, started: &str, files: &[PathBuf]) {
+    print(document.origin());
     for report in &document.experiments {
         print(format_args!("\n{report}"));
+        if *report.measured < *started {
+            print(format_args!(
+                "Kept since {}: --fresh measures anew",
+                report.measured
+            ));
+        }
     }
     if !files.is_empty() {
         print("\nWritten");
@@ -206,12 +277,12 @@ mod tests {
         report
             .verdicts
             .push(Verdict::told("fast", "2 µs", "1 µs", false));
-        let slow = Document::new(false, vec![report.clone()]);
+        let slow = Document::new(&Setup::default(), vec![report.clone()]);
         assert_eq!(outcome(&slow), Outcome::Done);
         report
             .verdicts
             .push(Verdict::must("whole", "1 lost", "0", false));
-        let wrong = Document::new(false, vec![report]);
+        let wrong = Document::new(&Setup::default(), vec![report]);
         assert_eq!(outcome(&wrong), Outcome::DoesNotHold);
     }
 }

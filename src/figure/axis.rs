@@ -4,10 +4,11 @@
 //! drawn is placed by that.
 
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// How an axis is laid out.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Scale {
     /// Equal steps are equally long.
     #[default]

@@ -12,6 +12,7 @@ pub mod picture;
 pub mod plot;
 mod raster;
 mod relief;
+mod sheet;
 
 pub use axis::Scale;
 pub use camera::Camera;

@@ -2,14 +2,19 @@
 
 use super::axis::{Axis, FARTHEST, Scale, extent, padded};
 use super::file::write_whole;
+use super::sheet::{
+    AXIS, Area, DOT_RADIUS, FRAME_WIDTH, GAP, GRID, INK, LEFT_MARGIN, Legend, PX, RIGHT_MARGIN,
+    TEXT_SIZE, TITLE_HEIGHT, X_LABEL_HEIGHT, Y_LABEL_WIDTH, cut, dot_styles, named, say_no_data,
+    sheet, shortened_chars, style, title,
+};
 use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
+use serde::{Deserialize, Serialize};
 use std::io::{Error, Result};
 use std::ops::Range;
 use std::path::Path;
 
 /// A curve.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Series {
     /// Name in the legend.
     pub name: String,
@@ -23,7 +28,7 @@ pub struct Series {
 }
 
 /// How the points of a curve are shown.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Mark {
     /// Joined by a line.
     #[default]
@@ -37,13 +42,13 @@ pub enum Mark {
 }
 
 impl Mark {
-    fn has_dots(self) -> bool {
+    pub(super) fn has_dots(self) -> bool {
         self != Self::Line
     }
 }
 
 /// Curves in one frame.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LinePlot {
     /// Above the frame.
     pub title: String,
@@ -59,42 +64,17 @@ pub struct LinePlot {
     pub series: Vec<Series>,
 }
 
-/// The SVG backend draws in whole numbers: in quarters of a pixel slow curves stay smooth.
-const PX: u32 = 4;
-const WIDTH: u32 = 1000 * PX;
-const TITLE_HEIGHT: u32 = 30 * PX;
-const LEGEND_ROW_HEIGHT: u32 = 20 * PX;
 const FRAME_HEIGHT: u32 = 210 * PX;
-const X_LABEL_HEIGHT: u32 = 46 * PX;
-const GAP: u32 = 14 * PX;
-const LEFT_MARGIN: u32 = 12 * PX;
-const RIGHT_MARGIN: u32 = 28 * PX;
-const Y_LABEL_WIDTH: u32 = 68 * PX;
-const SWATCH_WIDTH: u32 = 18 * PX;
-const FRAME_LEFT: u32 = LEFT_MARGIN + Y_LABEL_WIDTH;
-const FRAME_WIDTH: u32 = WIDTH - FRAME_LEFT - RIGHT_MARGIN;
-/// The SVG backend divides a font's size by this.
-const FONT_SCALE: f64 = 1.24;
-const TITLE_SIZE: f64 = 16.0 * PX as f64;
-const TEXT_SIZE: f64 = 12.5 * PX as f64;
-/// A wide character, em: no font is at hand to measure with.
-const EM_PER_CHAR: f64 = 0.62;
-const DOT_RADIUS: u32 = 3 * PX;
-
-const INK: RGBColor = RGBColor(52, 58, 66);
-const FAINT: RGBColor = RGBColor(120, 128, 138);
-const GRID: RGBColor = RGBColor(226, 230, 235);
-const AXIS: RGBColor = RGBColor(160, 168, 178);
 
 /// Draws the plots one above the other over a common range of x.
 ///
 /// Each series is one polyline, or a dot where it has a single point. One with many points to a pixel column keeps, of each run of points in a column, the first,
 /// the lowest, the highest and the last, so that every extremum stays and the file stays small. A plot without a point
-/// says so. Text that does not fit is cut off with an ellipsis.
+/// says so. Text that does not fit is cut off with an ellipsis. `caption`, if not empty, stands below in small type.
 ///
 /// # Errors
 /// None that is known: those of the drawing library, which writes to memory here.
-pub fn svg(plots: &[LinePlot]) -> Result<String> {
+pub fn svg(plots: &[LinePlot], caption: &str) -> Result<String> {
     let nothing = [LinePlot::default()];
     let plots = if plots.is_empty() { &nothing } else { plots };
     let logarithmic = plots.iter().any(|p| p.x_scale == Scale::Logarithmic);
@@ -116,22 +96,15 @@ pub fn svg(plots: &[LinePlot]) -> Result<String> {
         .enumerate()
         .map(|(i, plot)| height_of(plot, i + 1 == plots.len()))
         .collect();
-    let height = tall.iter().sum::<u32>() + GAP;
-    let mut text = String::new();
-    {
-        let root = SVGBackend::with_string(&mut text, (WIDTH, height)).into_drawing_area();
-        root.fill(&WHITE).map_err(Error::other)?;
-        let mut rest = root;
+    sheet(tall.iter().sum(), caption, |root| {
+        let mut rest = root.clone();
         for (i, (plot, tall)) in plots.iter().zip(tall).enumerate() {
             let (area, below) = rest.split_vertically(tall);
             draw(&area, plot, &x, i + 1 == plots.len())?;
             rest = below;
         }
-        rest.present().map_err(Error::other)?;
-    }
-    let drawn = format!("width=\"{WIDTH}\" height=\"{height}\"");
-    let shown = format!("width=\"{}\" height=\"{}\"", WIDTH / PX, height / PX);
-    Ok(text.replacen(&drawn, &shown, 1))
+        Ok(())
+    })
 }
 
 /// Writes [`svg`] to a file: beside `path`, then renamed, so that no reader sees half of one. The folder must exist.
@@ -139,7 +112,7 @@ pub fn svg(plots: &[LinePlot]) -> Result<String> {
 /// # Errors
 /// Those of the file system.
 pub fn write_svg(path: &Path, plots: &[LinePlot]) -> Result<()> {
-    write_whole(path, svg(plots)?.as_bytes())
+    write_whole(path, svg(plots, "")?.as_bytes())
 }
 
 /// The axis that plots have in common.
@@ -148,29 +121,16 @@ struct Shared {
     range: Range<f64>,
 }
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
-
 fn draw(area: &Area, plot: &LinePlot, x: &Shared, last: bool) -> Result<()> {
-    let title = style(TITLE_SIZE, INK).pos(Pos::new(HPos::Left, VPos::Center));
-    let title_text = shortened(&plot.title, FRAME_WIDTH, TITLE_SIZE);
-    let title_at = (FRAME_LEFT as i32, (TITLE_HEIGHT / 2 + 4 * PX) as i32);
-    area.draw_text(&title_text, &title, title_at)
-        .map_err(Error::other)?;
-    for entry in legend(plot) {
-        let middle = (TITLE_HEIGHT + entry.row * LEGEND_ROW_HEIGHT + LEGEND_ROW_HEIGHT / 2) as i32;
-        let left = (FRAME_LEFT + entry.left) as i32;
-        swatch(area, &entry, (left, middle))?;
-        let text = style(TEXT_SIZE, INK).pos(Pos::new(HPos::Left, VPos::Center));
-        let at = (left + (SWATCH_WIDTH + 6 * PX) as i32, middle);
-        area.draw_text(&entry.name, &text, at)
-            .map_err(Error::other)?;
-    }
+    title(area, &plot.title)?;
+    let legend = Legend::new(named(&plot.series));
+    legend.draw(area)?;
 
     let ys = points(plot, x.scale).map(|p| p[1]);
     let y_range = padded(extent(ys), 0.06, plot.y_scale);
     let x_label_height = if last { X_LABEL_HEIGHT } else { 0 };
     let mut chart = ChartBuilder::on(area)
-        .margin_top(TITLE_HEIGHT + legend_rows(plot) * LEGEND_ROW_HEIGHT + 4 * PX)
+        .margin_top(TITLE_HEIGHT + legend.height() + 4 * PX)
         .margin_bottom(if last { 0 } else { 4 * PX })
         .margin_left(LEFT_MARGIN)
         .margin_right(RIGHT_MARGIN)
@@ -222,130 +182,24 @@ fn draw(area: &Area, plot: &LinePlot, x: &Shared, last: bool) -> Result<()> {
         }
     }
     if points(plot, x.scale).next().is_none() {
-        let style = style(TITLE_SIZE, FAINT).pos(Pos::new(HPos::Center, VPos::Center));
         let (x, y) = chart.plotting_area().get_pixel_range();
         let origin = area.get_base_pixel();
-        let at = (
+        let middle = (
             (x.start + x.end) / 2 - origin.0,
             (y.start + y.end) / 2 - origin.1,
         );
-        area.draw_text("no data", &style, at)
-            .map_err(Error::other)?;
+        say_no_data(area, middle)?;
     }
     Ok(())
-}
-
-/// What a curve looks like, before its name in the legend; `at` is its left end, half way up.
-fn swatch(area: &Area, entry: &Entry, (left, middle): (i32, i32)) -> Result<()> {
-    let [r, g, b] = entry.colour;
-    let colour = RGBColor(r, g, b);
-    let wide = SWATCH_WIDTH as i32;
-    let thick = PX as i32;
-    let parts: &[(i32, i32)] = match entry.mark {
-        Mark::Line | Mark::Joined => &[(0, wide)],
-        Mark::Dashed => &[(0, wide / 5), (4 * wide / 5, wide)],
-        Mark::Points => &[],
-    };
-    for (from, to) in parts {
-        let bar = [(left + from, middle - thick), (left + to, middle + thick)];
-        area.draw(&Rectangle::new(bar, colour.filled()))
-            .map_err(Error::other)?;
-    }
-    if entry.mark.has_dots() {
-        let at = (left + wide / 2, middle);
-        for style in dot_styles(entry.mark, colour) {
-            area.draw(&Circle::new(at, DOT_RADIUS, style))
-                .map_err(Error::other)?;
-        }
-    }
-    Ok(())
-}
-
-/// What makes up a dot, or a ring that hides the curve behind it.
-fn dot_styles(mark: Mark, colour: RGBColor) -> Vec<ShapeStyle> {
-    if mark == Mark::Dashed {
-        vec![WHITE.filled(), colour.stroke_width(3 * PX / 2)]
-    } else {
-        vec![colour.filled()]
-    }
-}
-
-fn style(size: f64, colour: RGBColor) -> TextStyle<'static> {
-    let mut style = TextStyle::from(("sans-serif", size * FONT_SCALE).into_font());
-    style.color = colour.to_backend_color();
-    style
 }
 
 fn height_of(plot: &LinePlot, last: bool) -> u32 {
     let below = if last { X_LABEL_HEIGHT } else { GAP };
-    TITLE_HEIGHT + legend_rows(plot) * LEGEND_ROW_HEIGHT + FRAME_HEIGHT + below
-}
-
-/// A name in the legend: where, in what colour.
-struct Entry {
-    row: u32,
-    /// From the left of the frame, pixels.
-    left: u32,
-    name: String,
-    colour: [u8; 3],
-    mark: Mark,
-}
-
-/// The named series in as many rows as they need.
-fn legend(plot: &LinePlot) -> Vec<Entry> {
-    let (mut row, mut left) = (0, 0);
-    let mut entries = Vec::new();
-    for series in plot.series.iter().filter(|s| !s.name.trim().is_empty()) {
-        let name = shortened(&series.name, FRAME_WIDTH / 2, TEXT_SIZE);
-        let chars = name.chars().count() as f64;
-        let wide = SWATCH_WIDTH + 24 * PX + (chars * EM_PER_CHAR * TEXT_SIZE) as u32;
-        if left > 0 && left + wide > FRAME_WIDTH {
-            (row, left) = (row + 1, 0);
-        }
-        entries.push(Entry {
-            row,
-            left,
-            name,
-            colour: series.colour,
-            mark: series.mark,
-        });
-        left += wide;
-    }
-    entries
-}
-
-fn legend_rows(plot: &LinePlot) -> u32 {
-    legend(plot).last().map_or(0, |entry| entry.row + 1)
-}
-
-/// How many characters fit.
-fn shortened_chars(width_px: u32, size: f64) -> usize {
-    (f64::from(width_px) / (EM_PER_CHAR * size)) as usize
-}
-
-fn shortened(text: &str, width_px: u32, size: f64) -> String {
-    cut(text, shortened_chars(width_px, size))
-}
-
-/// At most `n` characters, with an ellipsis where some are missing, and none that XML forbids.
-fn cut(text: &str, n: usize) -> String {
-    let allowed = |c: char| {
-        if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') {
-            ' '
-        } else {
-            c
-        }
-    };
-    let mut short: String = text.chars().take(n).map(allowed).collect();
-    if text.chars().nth(n).is_some() {
-        short.pop();
-        short.push('…');
-    }
-    short
+    TITLE_HEIGHT + Legend::new(named(&plot.series)).height() + FRAME_HEIGHT + below
 }
 
 /// The points that can be shown, where the axes have them.
-fn drawn(series: &Series, x: Scale, y: Scale) -> impl Iterator<Item = [f64; 2]> {
+pub(super) fn drawn(series: &Series, x: Scale, y: Scale) -> impl Iterator<Item = [f64; 2]> {
     let placed = move |p: &[f64; 2]| [x.place(p[0]), y.place(p[1])];
     // Written so that what is not a number is not drawn.
     let is_drawn = |p: &[f64; 2]| p.iter().all(|c| c.abs() <= FARTHEST);

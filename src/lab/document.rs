@@ -1,7 +1,7 @@
 //! All that one run of the lab found, and its files.
 
-use super::{Drawing, Report};
-use crate::figure::{self, write_files};
+use super::{Report, Setup, build};
+use crate::figure::write_files;
 use serde::{Deserialize, Serialize};
 use std::io::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -11,10 +11,16 @@ use std::path::{Path, PathBuf};
 pub struct Document {
     /// Version of the program.
     pub dorsum: String,
+    /// First digits of the SHA-256 of the program; nothing where it could not be read.
+    #[serde(default)]
+    pub build: Option<String>,
     /// Where it ran: what the times are worth.
     pub machine: Machine,
     /// Whether it was a quick look.
     pub quick: bool,
+    /// Where chance started.
+    #[serde(default)]
+    pub seed: u64,
     /// Whether all holds that must.
     pub holds: bool,
     /// One for each experiment.
@@ -23,14 +29,35 @@ pub struct Document {
 
 impl Document {
     /// With this machine and this program filled in.
-    pub fn new(quick: bool, experiments: Vec<Report>) -> Self {
+    pub fn new(setup: &Setup, experiments: Vec<Report>) -> Self {
         Self {
             dorsum: env!("CARGO_PKG_VERSION").to_owned(),
+            build: build().map(str::to_owned),
             machine: Machine::here(),
-            quick,
+            quick: setup.quick,
+            seed: setup.seed,
             holds: experiments.iter().all(Report::holds),
             experiments,
         }
+    }
+
+    /// By which program, from which seed and on which machine, in two lines.
+    pub fn origin(&self) -> String {
+        format!("{}\nMeasured on {}", self.program(), self.machine)
+    }
+
+    /// The same in one line, to stand below a figure.
+    pub fn caption(&self) -> String {
+        format!("{}; {}", self.program(), self.machine)
+    }
+
+    fn program(&self) -> String {
+        let build = self.build.as_deref().unwrap_or("unknown");
+        let quick = if self.quick { ", quick look" } else { "" };
+        format!(
+            "Dorsum {}, build {build}, seed {}{quick}",
+            self.dorsum, self.seed
+        )
     }
 }
 
@@ -81,8 +108,8 @@ impl std::fmt::Display for Machine {
     }
 }
 
-/// Writes a document into `folder`, which must exist, and tells which files: `name.json` with everything, `name.txt` for
-/// reading, `EXPERIMENT.TABLE.csv` and `EXPERIMENT.FIGURE.svg`. All are written beside their places before the first is
+/// Writes a document into `folder`, which must exist, and tells which files: `name.html` and `name.txt` for reading,
+/// `name.json` with everything, `EXPERIMENT.TABLE.csv` and `EXPERIMENT.FIGURE.svg`. All are written beside their places before the first is
 /// put there, so that a fault on the way leaves what was there before.
 ///
 /// # Errors
@@ -91,7 +118,8 @@ pub fn write(document: &Document, name: &str, folder: &Path) -> Result<Vec<PathB
     let mut files = Vec::new();
     let json = serde_json::to_vec_pretty(document).map_err(Error::other)?;
     files.push((folder.join(format!("{name}.json")), json));
-    let mut text = format!("Measured on {}\n", document.machine);
+    let caption = document.caption();
+    let mut text = format!("{}\n", document.origin());
     for report in &document.experiments {
         text += &format!("\n\n{report}\n");
         let path =
@@ -100,10 +128,7 @@ pub fn write(document: &Document, name: &str, folder: &Path) -> Result<Vec<PathB
             files.push((path(&table.name, "csv"), table.csv()?));
         }
         for drawing in &report.figures {
-            let svg = match &drawing.drawing {
-                Drawing::Plots(plots) => figure::plot::svg(plots)?,
-                Drawing::Map(map) => figure::cells::svg(map)?,
-            };
+            let svg = drawing.drawing.svg(&caption)?;
             files.push((path(&drawing.name, "svg"), svg.into_bytes()));
         }
     }

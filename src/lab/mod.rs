@@ -12,6 +12,7 @@ pub mod deform;
 mod document;
 pub mod error;
 pub mod partition;
+mod program;
 mod report;
 mod shelf;
 pub mod stability;
@@ -19,12 +20,14 @@ mod table;
 mod watch;
 
 use crate::scenario::Scenario;
+use crate::session::utc_now;
 use crate::surface::Surface;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 pub use clock::{Samples, Stopwatch};
 pub use document::{Document, Machine, write};
+pub use program::build;
 pub use report::{Drawing, Figure, Report, Setting, Verdict};
 pub use shelf::Shelf;
 pub use table::{Column, Table, Value};
@@ -83,6 +86,25 @@ pub struct Setup {
     pub seed: u64,
     /// Keeps finished parts, so that a run that was stopped goes on where it was.
     pub shelf: Shelf,
+}
+
+impl Setup {
+    /// With nothing but what `experiment` takes.
+    fn taken_by(&self, experiment: &dyn Experiment) -> Self {
+        let takes = |choice| experiment.takes().contains(&choice);
+        Self {
+            quick: self.quick,
+            mesh: self.mesh.clone().filter(|_| takes(Choice::Mesh)),
+            triangles: match takes(Choice::Triangles) {
+                true => self.triangles.clone(),
+                false => Vec::new(),
+            },
+            scene: self.scene.clone().filter(|_| takes(Choice::Scene)),
+            session: self.session.clone().filter(|_| takes(Choice::Session)),
+            seed: if takes(Choice::Seed) { self.seed } else { 0 },
+            shelf: self.shelf.clone(),
+        }
+    }
 }
 
 /// A scenario and where it came from.
@@ -157,7 +179,8 @@ pub fn select(name: &str) -> Vec<&'static dyn Experiment> {
     }
 }
 
-/// Runs experiments one after the other; progress is shared out evenly among them.
+/// Runs experiments one after the other; progress is shared out evenly among them. Each gets a shelf of its own and only
+/// the choices that it takes. A report that is on its shelf is not made again.
 ///
 /// # Errors
 /// The first error of any of them: then there is no document.
@@ -171,11 +194,40 @@ pub fn run(
     for (i, experiment) in experiments.iter().enumerate() {
         let mut part = watch.part(i as f64 / n, (i + 1) as f64 / n);
         part.at(experiment.name(), 0.0)?;
-        let mut report = experiment.run(setup, &mut part)?;
-        report.experiment = experiment.name().to_owned();
-        report.about = experiment.about().to_owned();
+        let mut setup = setup.taken_by(*experiment);
+        let shelf = setup.shelf.begin(experiment.name(), &setup)?;
+        let report = match shelf.report() {
+            Some(kept) => kept,
+            None => {
+                setup.shelf = shelf.clone();
+                let report = made(*experiment, &setup, &mut part)?;
+                shelf.keep_report(&report);
+                report
+            }
+        };
         reports.push(report);
     }
     watch.at("", 1.0)?;
-    Ok(Document::new(setup.quick, reports))
+    Ok(Document::new(setup, reports))
+}
+
+fn made(
+    experiment: &dyn Experiment,
+    setup: &Setup,
+    watch: &mut Watch<'_>,
+) -> Result<Report, LabError> {
+    let mut report = experiment.run(setup, watch)?;
+    report.experiment = experiment.name().to_owned();
+    report.about = experiment.about().to_owned();
+    report.measured = utc_now();
+    Ok(report)
+}
+
+/// The report of an experiment as it lies on its shelf; nothing where there is none.
+///
+/// # Errors
+/// A file that the setup names cannot be read.
+pub fn kept(experiment: &dyn Experiment, setup: &Setup) -> Result<Option<Report>, LabError> {
+    let setup = setup.taken_by(experiment);
+    Ok(setup.shelf.of(experiment.name(), &setup)?.report())
 }

@@ -1,7 +1,7 @@
 //! What an experiment answers.
 
 use super::Table;
-use crate::figure::{CellMap, LinePlot};
+use crate::figure::{self, CellMap, LinePlot, Series};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -12,6 +12,9 @@ pub struct Report {
     pub experiment: String,
     /// What it answers; filled in by [`run`](super::run).
     pub about: String,
+    /// When it was made, UTC, ISO 8601; filled in by [`run`](super::run).
+    #[serde(default)]
+    pub measured: String,
     /// Under which circumstances.
     pub settings: Vec<Setting>,
     /// The figures.
@@ -38,16 +41,19 @@ impl Report {
         self.notes.push(text.into());
     }
 
-    /// Adds plots that are drawn one above the other.
-    pub fn draw(&mut self, name: &str, plots: Vec<LinePlot>) {
+    /// Adds plots that are drawn one above the other. Points that are not finite are left out.
+    pub fn draw(&mut self, name: &str, mut plots: Vec<LinePlot>) {
+        let series = plots.iter_mut().flat_map(|p| &mut p.series);
+        series.for_each(keep_finite);
         self.figures.push(Figure {
             name: name.to_owned(),
             drawing: Drawing::Plots(plots),
         });
     }
 
-    /// Adds a map of cells.
-    pub fn draw_map(&mut self, name: &str, map: CellMap) {
+    /// Adds a map of cells. Points of its curves that are not finite are left out.
+    pub fn draw_map(&mut self, name: &str, mut map: CellMap) {
+        map.series.iter_mut().for_each(keep_finite);
         self.figures.push(Figure {
             name: name.to_owned(),
             drawing: Drawing::Map(map),
@@ -58,6 +64,10 @@ impl Report {
     pub fn holds(&self) -> bool {
         self.verdicts.iter().all(|v| v.holds || !v.required)
     }
+}
+
+fn keep_finite(series: &mut Series) {
+    series.points.retain(|p| p.iter().all(|c| c.is_finite()));
 }
 
 /// One circumstance of an experiment.
@@ -80,12 +90,25 @@ pub struct Figure {
 }
 
 /// What a figure shows.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Drawing {
     /// Curves, from top to bottom, over a common x axis.
     Plots(Vec<LinePlot>),
     /// Cells of classes, with curves over them.
     Map(CellMap),
+}
+
+impl Drawing {
+    /// As SVG, with `caption` below it.
+    ///
+    /// # Errors
+    /// None that is known: those of the drawing library, which writes to memory here.
+    pub fn svg(&self, caption: &str) -> std::io::Result<String> {
+        match self {
+            Self::Plots(plots) => figure::plot::svg(plots, caption),
+            Self::Map(map) => figure::cells::svg(map, caption),
+        }
+    }
 }
 
 impl Default for Drawing {
@@ -160,6 +183,9 @@ impl fmt::Display for Report {
     /// For people: tables, verdicts and notes. Ends without a line break.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}\n{}", self.experiment, self.about)?;
+        if !self.measured.is_empty() {
+            writeln!(f, "  measured {}", self.measured)?;
+        }
         let width = self
             .settings
             .iter()
