@@ -66,6 +66,7 @@ fn an_experiment_is_printed_and_written_alike() {
     assert_eq!(printed["seed"], 0);
     let build = printed["build"].as_str().expect("text");
     assert!(build.len() == 12 && shown.contains(&format!("build {build}, seed 0")));
+    assert!(read("partition-complexity.html").contains(&format!("build {build}")));
     assert_eq!(printed["experiments"][0]["tables"][0]["rows"][0][0], "bsp");
 }
 

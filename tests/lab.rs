@@ -239,6 +239,7 @@ fn results_are_files_that_say_the_same() {
     let names = [
         "test-odd.curve.svg",
         "test-odd.odd.csv",
+        "test.html",
         "test.json",
         "test.txt",
     ];

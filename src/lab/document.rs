@@ -1,6 +1,6 @@
 //! All that one run of the lab found, and its files.
 
-use super::{Report, Setup, build};
+use super::{Report, Setup, build, html};
 use crate::figure::write_files;
 use serde::{Deserialize, Serialize};
 use std::io::{Error, Result};
@@ -118,6 +118,8 @@ pub fn write(document: &Document, name: &str, folder: &Path) -> Result<Vec<PathB
     let mut files = Vec::new();
     let json = serde_json::to_vec_pretty(document).map_err(Error::other)?;
     files.push((folder.join(format!("{name}.json")), json));
+    let page = html::page(document, name)?;
+    files.push((folder.join(format!("{name}.html")), page.into_bytes()));
     let caption = document.caption();
     let mut text = format!("{}\n", document.origin());
     for report in &document.experiments {

@@ -11,6 +11,7 @@ pub mod contact;
 pub mod deform;
 mod document;
 pub mod error;
+pub mod html;
 pub mod partition;
 mod program;
 mod report;

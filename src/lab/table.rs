@@ -215,7 +215,7 @@ impl fmt::Display for Table {
 }
 
 /// A cell for people.
-fn short(value: &Value) -> String {
+pub(crate) fn short(value: &Value) -> String {
     match value {
         Value::Empty => "–".to_owned(),
         Value::Number(x) => significant(*x),

@@ -42,11 +42,11 @@ impl Experiment for Counted {
         let mut report = Report::default();
         let mut table = Table::new("parts", "Parts", &["part", "value (mm)"]);
         let mut points = Vec::new();
-        for i in 0..AWKWARD.len() {
+        for (i, &number) in AWKWARD.iter().enumerate() {
             watch.at("a part", i as f64 / AWKWARD.len() as f64)?;
             let value: f64 = setup.shelf.part(&format!("part {i}"), || {
                 self.made.fetch_add(1, Relaxed);
-                Ok(AWKWARD[i])
+                Ok(number)
             })?;
             table.push([i.into(), value.into()]);
             points.push([i as f64, value]);
