@@ -85,3 +85,26 @@ pub(super) fn unless(marks: &[u64; BLOCK], n: u64) -> u64 {
         _ => word(|i| marks[i] == 0),
     }
 }
+
+/// Writes an offset for each vertex of a patch; answers with the bits of those that changed, and of those not zero.
+#[inline(always)]
+pub(super) fn put_each(held: &mut Block, offset: impl Fn(usize) -> [f64; 3]) -> (u64, u64) {
+    let (mut same, mut still) = ([0_u64; BLOCK], [0_u64; BLOCK]);
+    let (mut n_same, mut n_still) = (0, 0);
+    for i in 0..BLOCK {
+        let [x, y, z] = offset(i);
+        same[i] = u64::from((x == held.x[i]) & (y == held.y[i]) & (z == held.z[i]));
+        still[i] = u64::from((x == 0.0) & (y == 0.0) & (z == 0.0));
+        n_same += same[i];
+        n_still += still[i];
+        held.x[i] = x;
+        held.y[i] = y;
+        held.z[i] = z;
+    }
+    (unless(&same, n_same), unless(&still, n_still))
+}
+
+/// The same from a block of offsets.
+pub(super) fn put(held: &mut Block, offsets: &Block) -> (u64, u64) {
+    put_each(held, |i| [offsets.x[i], offsets.y[i], offsets.z[i]])
+}

@@ -3,7 +3,7 @@
 //! A [`Model`] turns presses into a [`Displacement`] of the vertices from rest. Its parts each answer one question and know
 //! nothing of the others: [`footprint`] how far out a point lies (the ratio q), [`curve`] how much is left there (M(q)),
 //! [`RingSearch`] which vertices hang together with the finger, [`strain`] how far the skin is drawn out. What they do for
-//! many vertices they do for [`Patches`] of 64.
+//! many vertices they do for [`Patches`] of 64. A model that has a field of its own puts it on the skin by [`Spread`].
 
 mod blocks;
 pub mod bones;
@@ -16,6 +16,7 @@ mod pairs;
 mod patches;
 mod ring;
 mod shading;
+mod spread;
 pub mod strain;
 
 use crate::contact::{Contact, Touch};
@@ -29,6 +30,7 @@ pub use crate::geom::curve;
 pub use displacement::Displacement;
 pub use patches::Patches;
 pub use ring::RingSearch;
+pub use spread::Spread;
 
 /// One finger's press on the skin, as every deformation model sees it.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -21,7 +21,7 @@ mod field;
 mod outline;
 mod settings;
 
-use crate::deform::blocks::{BLOCK, Block, Row, bits, unless, vertex};
+use crate::deform::blocks::{BLOCK, Block, Row, bits, put, put_each, vertex};
 use crate::deform::patches::Patches;
 use crate::deform::shading::Shading;
 use crate::deform::strain::Strain;
@@ -256,28 +256,6 @@ fn cut_all(sums: &mut Block, max_mm: f64) {
     for i in 0..BLOCK {
         sums.set(i, cut(sums.get(i), max_mm));
     }
-}
-
-/// Writes an offset for each vertex of a patch; answers with the bits of those that changed, and of those not zero.
-#[inline(always)]
-fn put_each(held: &mut Block, offset: impl Fn(usize) -> [f64; 3]) -> (u64, u64) {
-    let (mut same, mut still) = ([0_u64; BLOCK], [0_u64; BLOCK]);
-    let (mut n_same, mut n_still) = (0, 0);
-    for i in 0..BLOCK {
-        let [x, y, z] = offset(i);
-        same[i] = u64::from((x == held.x[i]) & (y == held.y[i]) & (z == held.z[i]));
-        still[i] = u64::from((x == 0.0) & (y == 0.0) & (z == 0.0));
-        n_same += same[i];
-        n_still += still[i];
-        held.x[i] = x;
-        held.y[i] = y;
-        held.z[i] = z;
-    }
-    (unless(&same, n_same), unless(&still, n_still))
-}
-
-fn put(held: &mut Block, offsets: &Block) -> (u64, u64) {
-    put_each(held, |i| [offsets.x[i], offsets.y[i], offsets.z[i]])
 }
 
 fn put_shares(held: &mut Block, centre: Vec3, shares: &Row) -> (u64, u64) {
