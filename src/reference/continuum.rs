@@ -1,9 +1,10 @@
 //! Closed forms as models of the drawn skin: the skin near the finger taken for flat.
 
 use super::Dent;
-use super::spread::{self, Spread};
+use super::plane::Plane;
 use super::traction;
-use crate::deform::{Displacement, Model, Press};
+use crate::deform::strain::Strain;
+use crate::deform::{Displacement, Model, Press, Spread};
 use crate::geom::Vec2;
 use crate::surface::Surface;
 use std::sync::Arc;
@@ -29,17 +30,11 @@ impl Continuum {
             spread: Spread::default(),
         }
     }
-}
 
-impl Model for Continuum {
-    fn name(&self) -> &'static str {
-        self.dent.name()
-    }
-
-    fn update(&mut self, surface: &Surface, presses: &[Press], out: &mut Displacement) {
+    fn gather(&mut self, surface: &Surface, presses: &[Press]) {
         self.spread.begin(surface);
         for press in presses {
-            let Some(plane) = spread::Plane::of(press, surface) else {
+            let Some(plane) = Plane::of(press, surface) else {
                 continue;
             };
             let pull = press.foot_mm - press.anchor_mm;
@@ -58,6 +53,31 @@ impl Model for Continuum {
                 Some(down + plane.x * along.x + plane.y * along.y)
             });
         }
-        self.spread.write(surface, out);
+    }
+}
+
+impl Model for Continuum {
+    fn name(&self) -> &'static str {
+        self.dent.name()
+    }
+
+    fn prepare(&mut self, surface: &Surface) {
+        self.spread.prepare(surface);
+    }
+
+    fn update(&mut self, surface: &Surface, presses: &[Press], out: &mut Displacement) {
+        self.gather(surface, presses);
+        self.spread.write(surface, out, None);
+    }
+
+    fn update_strained(
+        &mut self,
+        surface: &Surface,
+        presses: &[Press],
+        out: &mut Displacement,
+        strain: &mut Strain,
+    ) {
+        self.gather(surface, presses);
+        self.spread.write(surface, out, Some(strain));
     }
 }

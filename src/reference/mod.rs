@@ -2,7 +2,8 @@
 //!
 //! Closed forms of a linear elastic body, exact up to quadrature, each in its own file; every one answers how deep the
 //! surface lies at a distance from the middle of the load, and which force that takes. [`all`] lists them with the
-//! material and sizes of a finger on a back.
+//! material and sizes of a finger on a back. Bodies without a closed form are cut into bricks or springs. [`models::models`]
+//! lists all of them as models of the drawn skin.
 //!
 //! | file | holds |
 //! |---|---|
@@ -11,6 +12,11 @@
 //! | [`layer`] | a layer of tissue bonded to bone |
 //! | [`membrane`] | a tensed skin on a bed of springs (Winkler) |
 //! | [`traction`] | a body without end dragged along its surface (Cerruti) |
+//! | [`fem`] | finite elements: a slab of tissue over bone, also condensed to its skin, also for large strains |
+//! | [`springs`] | the same slab as mass and springs, and position-based |
+//! | [`patch`] | the slab under a place on the skin |
+//! | [`continuum`], [`slab`] | closed forms and slabs as models of the drawn skin |
+//! | [`models`] | all of these by name |
 
 mod bessel;
 pub mod continuum;
@@ -19,13 +25,15 @@ pub mod half_space;
 pub mod layer;
 pub mod material;
 pub mod membrane;
+pub mod models;
 pub mod patch;
+mod plane;
 pub mod slab;
-mod spread;
 pub mod springs;
 pub mod traction;
 
 pub use material::{Elastic, MaterialError};
+pub use plane::Plane;
 
 /// A dent with rotational symmetry, driven by its depth in the middle.
 pub trait Dent: Send + Sync {

@@ -1,7 +1,7 @@
 //! A slab of soft tissue under the skin round a place: its skin follows the surface, its bone lies a thickness below.
 
 use super::fem::mesh::{Slab, SlabError};
-use super::spread::Plane;
+use super::plane::Plane;
 use crate::geom::{Vec2, Vec3};
 use crate::partition::{Partition, Sides};
 use crate::surface::Surface;
@@ -115,12 +115,38 @@ impl Patch {
 
     /// The value at a place of the plane of a field given at the skin's nodes, bilinear; `None` outside.
     pub fn between(&self, place_mm: Vec2, at_nodes: &[Vec3]) -> Option<Vec3> {
+        let mut value = Vec3::ZERO;
+        for (node, share) in self.round(place_mm)? {
+            value += *at_nodes.get(node)? * share;
+        }
+        Some(value)
+    }
+
+    /// The four skin nodes round a place of the plane, with the share of each in it; `None` outside.
+    pub fn round(&self, place_mm: Vec2) -> Option<[(usize, f64); 4]> {
         let (i, u) = self.cell(place_mm.x)?;
         let (j, v) = self.cell(place_mm.y)?;
-        let at = |c: usize, r: usize| at_nodes.get(self.slab.node(i + c, j + r, 0)).copied();
-        let near = at(0, 0)? * (1.0 - u) + at(1, 0)? * u;
-        let far = at(0, 1)? * (1.0 - u) + at(1, 1)? * u;
-        Some(near * (1.0 - v) + far * v)
+        let of = |c: usize, r: usize, share: f64| (self.slab.node(i + c, j + r, 0), share);
+        Some([
+            of(0, 0, (1.0 - u) * (1.0 - v)),
+            of(1, 0, u * (1.0 - v)),
+            of(0, 1, (1.0 - u) * v),
+            of(1, 1, u * v),
+        ])
+    }
+
+    /// Skin nodes with their shares in a Gaussian pressure on the plane: what does the same work on every field that is
+    /// bilinear between nodes, exactly. They add up to 1; none where the pressure lies beside the patch.
+    pub fn shares(&self, place_mm: Vec2, deviation_mm: f64) -> Vec<(usize, f64)> {
+        let across = hats(&self.lines_mm, place_mm.x, deviation_mm);
+        let along = hats(&self.lines_mm, place_mm.y, deviation_mm);
+        let mut shares = Vec::with_capacity(across.len() * along.len());
+        for (row, v) in &along {
+            for (column, u) in &across {
+                shares.push((self.slab.node(*column, *row, 0), u * v));
+            }
+        }
+        shares
     }
 
     fn cell(&self, x: f64) -> Option<(usize, f64)> {
@@ -137,5 +163,70 @@ impl Patch {
                 (x - self.lines_mm[i]) / (self.lines_mm[i + 1] - self.lines_mm[i]),
             )
         })
+    }
+}
+
+/// Shares of the lines in a Gaussian round `x`, ∫ hat · Gaussian, scaled to add up to 1; those beyond six deviations left
+/// out.
+fn hats(lines_mm: &[f64], x: f64, deviation_mm: f64) -> Vec<(usize, f64)> {
+    let s = deviation_mm;
+    let below = |t: f64| 0.5 * libm::erf(t / std::f64::consts::SQRT_2);
+    let density = |t: f64| libm::exp(-0.5 * t * t) / libm::sqrt(2.0 * std::f64::consts::PI);
+    let mut shares = vec![0.0; lines_mm.len()];
+    for (i, ends) in lines_mm.windows(2).enumerate() {
+        let [a, b] = [(ends[0] - x) / s, (ends[1] - x) / s];
+        if a < REACH && b > -REACH {
+            let whole = below(b) - below(a);
+            // ∫ t φ(t) dt = −φ.
+            let moment = density(a) - density(b);
+            let right = (moment - a * whole) / (b - a);
+            shares[i] += whole - right;
+            shares[i + 1] += right;
+        }
+    }
+    let sum: f64 = shares.iter().sum();
+    let positive = shares
+        .into_iter()
+        .enumerate()
+        .filter(|(_, share)| *share > 0.0 && sum > 0.0);
+    positive.map(|(i, share)| (i, share / sum)).collect()
+}
+
+/// Deviations beyond which a Gaussian is nothing.
+const REACH: f64 = 6.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::fem::graded;
+
+    /// Against plain sums over many small steps.
+    #[test]
+    fn shares_of_a_gaussian_are_its_integrals() {
+        let lines = graded(9, 60.0, 5.0);
+        for (x, s) in [(0.0, 3.5), (7.3, 3.5), (22.0, 1.0), (40.0, 12.0)] {
+            let shares = hats(&lines, x, s);
+            let step = 1.0e-3;
+            let mut sums = vec![0.0; lines.len()];
+            for i in 0..60_000 {
+                let at = (f64::from(i) + 0.5) * step;
+                let t = (at - x) / s;
+                let w = (-0.5 * t * t).exp();
+                let cell = lines
+                    .partition_point(|l| *l <= at)
+                    .clamp(1, lines.len() - 1)
+                    - 1;
+                let u = (at - lines[cell]) / (lines[cell + 1] - lines[cell]);
+                sums[cell] += w * (1.0 - u);
+                sums[cell + 1] += w * u;
+            }
+            let whole: f64 = sums.iter().sum();
+            for (i, share) in &shares {
+                assert!((share - sums[*i] / whole).abs() < 1.0e-6, "{x} {s} {i}");
+            }
+            assert!((shares.iter().map(|(_, w)| w).sum::<f64>() - 1.0).abs() < 1e-12);
+        }
+        assert!(hats(&lines, 500.0, 3.5).is_empty());
+        assert!(hats(&lines, f64::NAN, 3.5).is_empty());
     }
 }

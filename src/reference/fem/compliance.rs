@@ -3,12 +3,13 @@
 use super::linear::Linear;
 use crate::geom::Vec3;
 
-/// Normal displacement of every skin node per normal force on every skin node, mm/N: a symmetric matrix, full.
+/// How far every skin node moves along its normal per unit of each of some loads, mm: full, a column per load.
 #[derive(Clone, Debug)]
 pub struct Compliance {
+    /// Nodes of the skin.
     n: usize,
     /// Column after column.
-    columns_mm_per_n: Vec<f64>,
+    columns_mm: Vec<f64>,
 }
 
 /// Skin nodes allowed: a matrix of half a gigabyte.
@@ -18,13 +19,24 @@ pub const MOST_SKIN_NODES: usize = 8_000;
 const BLOCK: usize = 64;
 
 impl Compliance {
-    /// Condenses `slab` to its skin, whose outward unit `normals` are given per skin node. `progress` is told a fraction
-    /// 0 … 1 and answers whether to go on.
+    /// Condenses `slab` to its skin, whose outward unit `normals` are given per skin node: one column for 1 N along the
+    /// normal of each node, so that the matrix is symmetric. `progress` is told a fraction 0 … 1 and answers whether to go on.
     ///
     /// `None` when told to stop, for more than [`MOST_SKIN_NODES`], or for a number of normals that is not that of the skin.
+    pub fn of_nodes(
+        slab: &Linear,
+        normals: &[Vec3],
+        progress: &mut dyn FnMut(f64) -> bool,
+    ) -> Option<Self> {
+        let at = |node: usize| vec![(node, normals[node])];
+        Self::of(slab, normals, &at, progress)
+    }
+
+    /// The same for one `load` at each skin node: forces on nodes, N.
     pub fn of(
         slab: &Linear,
         normals: &[Vec3],
+        load: &dyn Fn(usize) -> Vec<(usize, Vec3)>,
         progress: &mut dyn FnMut(f64) -> bool,
     ) -> Option<Self> {
         let n = slab.slab().skin_mm().len();
@@ -32,39 +44,62 @@ impl Compliance {
             return None;
         }
         let nodes: Vec<usize> = (0..n).collect();
-        let mut columns_mm_per_n = Vec::with_capacity(n * n);
+        let mut columns_mm = Vec::with_capacity(n * n);
         for block in nodes.chunks(BLOCK) {
-            if !progress(columns_mm_per_n.len() as f64 / (n * n) as f64) {
+            if !progress(columns_mm.len() as f64 / (n * n) as f64) {
                 return None;
             }
-            for column in slab.columns_mm_per_n(normals, block) {
-                columns_mm_per_n.extend(column);
-            }
+            let loads: Vec<_> = block.iter().map(|node| load(*node)).collect();
+            slab.append_columns_mm(normals, &loads, &mut columns_mm);
         }
-        Some(Self {
-            n,
-            columns_mm_per_n,
-        })
+        Some(Self { n, columns_mm })
     }
 
-    /// Adds up how far the skin nodes move along their normals under normal `forces_n` on some of them, mm, into `out_mm`,
-    /// which is filled anew. Nodes that there are not are left out.
-    pub fn displacements_mm(&self, forces_n: &[(usize, f64)], out_mm: &mut Vec<f64>) {
+    /// Adds up how far the skin nodes move along their normals under `amounts` of some loads, mm, into `out_mm`, which is
+    /// filled anew. Loads that there are not are left out.
+    pub fn displacements_mm(
+        &self,
+        amounts: impl Iterator<Item = (usize, f64)>,
+        out_mm: &mut Vec<f64>,
+    ) {
         out_mm.clear();
         out_mm.resize(self.n, 0.0);
-        for (node, force_n) in forces_n {
-            let column = self
-                .columns_mm_per_n
-                .get(node * self.n..(node + 1) * self.n);
-            for (out, c) in out_mm.iter_mut().zip(column.unwrap_or_default()) {
-                *out += c * force_n;
+        for (load, amount) in amounts {
+            for (out, c) in out_mm.iter_mut().zip(self.column(load)) {
+                *out += c * amount;
             }
         }
+    }
+
+    /// The same as vectors along a `normal` that all nodes share.
+    pub fn displaced(
+        &self,
+        amounts: impl Iterator<Item = (usize, f64)>,
+        normal: Vec3,
+        out_mm: &mut Vec<Vec3>,
+    ) {
+        out_mm.clear();
+        out_mm.resize(self.n, Vec3::ZERO);
+        // Summed in z, turned at the end.
+        for (load, amount) in amounts {
+            for (out, c) in out_mm.iter_mut().zip(self.column(load)) {
+                out.z += c * amount;
+            }
+        }
+        for out in out_mm {
+            *out = normal * out.z;
+        }
+    }
+
+    fn column(&self, load: usize) -> &[f64] {
+        let from = load.saturating_mul(self.n);
+        let column = self.columns_mm.get(from..from.saturating_add(self.n));
+        column.unwrap_or_default()
     }
 
     /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
-        8 * self.columns_mm_per_n.capacity()
+        8 * self.columns_mm.capacity()
     }
 }
 
@@ -92,10 +127,10 @@ mod tests {
         let slab = slab();
         let n = slab.slab().skin_mm().len();
         let normals = vec![Vec3::Z; n];
-        let condensed = Compliance::of(&slab, &normals, &mut |_| true).unwrap();
+        let condensed = Compliance::of_nodes(&slab, &normals, &mut |_| true).unwrap();
         let loads = [(60, -0.4), (61, -0.7), (49, 0.2), (100_000, 3.0)];
         let mut skin = Vec::new();
-        condensed.displacements_mm(&loads, &mut skin);
+        condensed.displacements_mm(loads.into_iter(), &mut skin);
         let forces: Vec<(usize, Vec3)> =
             loads[..3].iter().map(|(i, f)| (*i, Vec3::Z * *f)).collect();
         let full = slab.displacements_mm(&forces);
@@ -110,14 +145,14 @@ mod tests {
     fn it_is_symmetric_and_pushes_back_everywhere() {
         let slab = slab();
         let n = slab.slab().skin_mm().len();
-        let condensed = Compliance::of(&slab, &vec![Vec3::Z; n], &mut |_| true).unwrap();
-        let at = |i: usize, j: usize| condensed.columns_mm_per_n[i * n + j];
+        let condensed = Compliance::of_nodes(&slab, &vec![Vec3::Z; n], &mut |_| true).unwrap();
+        let at = |i: usize, j: usize| condensed.columns_mm[i * n + j];
         for i in 0..n {
             assert!(at(i, i) >= 0.0);
             for j in 0..i {
                 assert!((at(i, j) - at(j, i)).abs() < 1e-13);
             }
         }
-        assert!(Compliance::of(&slab, &vec![Vec3::Z; n], &mut |_| false).is_none());
+        assert!(Compliance::of_nodes(&slab, &vec![Vec3::Z; n], &mut |_| false).is_none());
     }
 }

@@ -98,33 +98,32 @@ impl Linear {
         self.n_unknowns
     }
 
-    /// How far the nodes of the skin move along their `normals` under a unit force along the normal of each of `loaded`,
-    /// mm/N: one column of skin nodes per loaded node.
-    pub(super) fn columns_mm_per_n(&self, normals: &[Vec3], loaded: &[usize]) -> Vec<Vec<f64>> {
-        let mut load = Mat::zeros(self.n_unknowns, loaded.len());
-        for (column, node) in loaded.iter().enumerate() {
-            for (place, n) in self.unknowns[*node]
-                .into_iter()
-                .zip(normals[*node].to_array())
-            {
-                if let Some(place) = place {
-                    load[(place, column)] = n;
+    /// Appends, for each of `loads`, forces on nodes, N, how far the nodes of the skin move along their `normals`, mm.
+    pub(super) fn append_columns_mm(
+        &self,
+        normals: &[Vec3],
+        loads: &[Vec<(usize, Vec3)>],
+        columns_mm: &mut Vec<f64>,
+    ) {
+        let mut moved = Mat::zeros(self.n_unknowns, loads.len());
+        for (column, load) in loads.iter().enumerate() {
+            for (node, force) in load {
+                for (place, f) in self.unknowns[*node].into_iter().zip(force.to_array()) {
+                    if let Some(place) = place {
+                        moved[(place, column)] += f;
+                    }
                 }
             }
         }
-        self.factor.solve_in_place(&mut load);
-        let of = |column: usize, node: usize| {
-            let mut along = 0.0;
-            for (place, n) in self.unknowns[node]
-                .into_iter()
-                .zip(normals[node].to_array())
-            {
-                along += place.map_or(0.0, |p| load[(p, column)] * n);
-            }
-            along
-        };
-        let column = |c: usize| (0..normals.len()).map(|node| of(c, node)).collect();
-        (0..loaded.len()).map(column).collect()
+        self.factor.solve_in_place(&mut moved);
+        for column in 0..loads.len() {
+            columns_mm.extend(normals.iter().enumerate().map(|(node, normal)| {
+                let along = self.unknowns[node].into_iter().zip(normal.to_array());
+                along
+                    .map(|(place, n)| place.map_or(0.0, |p| moved[(p, column)] * n))
+                    .sum::<f64>()
+            }));
+        }
     }
 
     /// How far every node moves under forces on nodes, mm; forces on what is held are taken by what holds it.
