@@ -226,3 +226,28 @@ fn bad_input_is_one_line_and_exit_code_2() {
         assert!(output.stdout.is_empty());
     }
 }
+
+#[test]
+fn a_yardstick_is_named_and_dents_as_deep_as_the_finger() {
+    let found = json(
+        "",
+        &["--press", "30,200,4", "--model", "layer", "--at-vertex"],
+    );
+    assert_eq!(found["model"], "layer");
+    assert!(number(&found["presses"][0]["off_hip_mm"]) < 1e-9, "{found}");
+    assert_eq!(found["timings"]["shade_us"], Value::Null);
+    // A layer on bone dents far less wide than the scenario's footprint.
+    let own = json("", &["--press", "30,200,4", "--at-vertex"]);
+    assert!(number(&own["timings"]["shade_us"]) >= 0.0);
+    let refused = dorsum("", &["--press", "30,200", "--model", "jelly"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let said = text(&refused.stderr);
+    assert!(
+        said.contains("jelly") && said.contains("fem-linear"),
+        "{said}"
+    );
+    // At the rim there is no skin for a slab to lie under.
+    let refused = dorsum("", &["--press", "0,440", "--model", "fem-linear"]);
+    assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stderr));
+    assert!(text(&refused.stderr).contains("the skin ends"));
+}

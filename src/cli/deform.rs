@@ -5,17 +5,20 @@ use super::{CliError, Outcome, print, print_json};
 use crate::deform::footprint::major_axis_on_skin;
 use crate::deform::models::fsmd::Fsmd;
 use crate::deform::strain::Strain;
-use crate::deform::{Displacement, Model as _, Press};
+use crate::deform::{Displacement, Model, Press};
 use crate::geom::Vec3;
 use crate::partition::{Partition as _, Sides};
+use crate::reference::models::{self, Site, Tissue, Yardstick};
 use crate::scenario::{Scene, Use};
 use crate::surface::io::{Format, ply};
 use serde::Serialize;
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Times an update is repeated for its median time.
 const REPEATS: usize = 101;
+/// For no longer than this: a yardstick may take seconds.
+const LONGEST: Duration = Duration::from_secs(5);
 /// Depth of a press that states none, mm.
 const DEPTH_MM: f64 = 5.0;
 /// Deepest press and longest drag taken, mm: beyond the caps of any scenario.
@@ -39,6 +42,10 @@ pub struct DeformArgs {
     /// Press at the vertex nearest to each place instead of between vertices.
     #[arg(long)]
     at_vertex: bool,
+    /// Draw by another model than the scenario's: a yardstick such as layer, fem-linear or xpbd, with muscle 20 mm over bone
+    /// under the first press.
+    #[arg(long, value_name = "NAME", value_parser = parse_model)]
+    model: Option<&'static Yardstick>,
     /// Write the deformed skin to this PLY file, with displacement, strain and stiffness at its vertices.
     #[arg(long, value_name = "FILE.ply")]
     out: Option<PathBuf>,
@@ -77,6 +84,43 @@ fn parse_press(text: &str) -> Result<Place, String> {
         depth_mm,
         drag_mm,
     })
+}
+
+fn parse_model(name: &str) -> Result<&'static Yardstick, String> {
+    models::by_name(name).ok_or_else(|| {
+        let names: Vec<_> = models::models().iter().map(|y| y.name).collect();
+        format!("there are {}; without this option: fsmd", names.join(", "))
+    })
+}
+
+/// The scenario's own model, whose halves can be timed, or a yardstick.
+enum Drawn {
+    Fsmd(Box<Fsmd>),
+    Yardstick(Box<dyn Model>),
+}
+
+impl Drawn {
+    fn new(scene: &Scene, yardstick: Option<&Yardstick>, press: &Press) -> Result<Self, CliError> {
+        let Some(yardstick) = yardstick else {
+            return Ok(Self::Fsmd(Box::new(Fsmd::new(scene.deform.clone()))));
+        };
+        let site = Site {
+            surface: &scene.surface,
+            search: &*scene.touch.search,
+            at_mm: press.anchor_mm,
+            normal: press.normal,
+        };
+        let made = yardstick.make(site, Tissue::default());
+        let refused = |e| CliError::input(format_args!("--model {}: {e}", yardstick.name));
+        made.map(Self::Yardstick).map_err(refused)
+    }
+
+    fn model(&mut self) -> &mut dyn Model {
+        match self {
+            Self::Fsmd(fsmd) => &mut **fsmd,
+            Self::Yardstick(model) => &mut **model,
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -118,7 +162,8 @@ struct StrainFound {
 struct Timings {
     prepare_us: f64,
     displace_us: f64,
-    shade_us: f64,
+    /// Nothing where it is part of displacing.
+    shade_us: Option<f64>,
     strain_us: f64,
     ns_per_vertex: Option<f64>,
 }
@@ -167,8 +212,11 @@ pub fn run(args: &DeformArgs, json: bool) -> Result<Outcome, CliError> {
         .collect::<Result<_, _>>()?;
 
     let surface = &*scene.surface;
-    let mut model = Fsmd::new(scene.deform.clone());
-    let timings = timed(&scene, &mut model, &presses);
+    // At least one is given.
+    let first = presses.first().cloned().unwrap_or_default();
+    let mut drawn = Drawn::new(&scene, args.model, &first)?;
+    let timings = timed(&scene, &mut drawn, &presses);
+    let model = drawn.model();
     // Once more from rest, so that what was touched is all that the presses change.
     let mut skin = Displacement::at_rest(surface);
     model.update(surface, &presses, &mut skin);
@@ -274,11 +322,11 @@ fn press_at(scene: &Scene, place: &Place, at_vertex: bool) -> Result<Press, CliE
 }
 
 /// What updates take, every other one of slightly shallower presses so that each has something to do.
-fn timed(scene: &Scene, model: &mut Fsmd, presses: &[Press]) -> Timings {
+fn timed(scene: &Scene, drawn: &mut Drawn, presses: &[Press]) -> Timings {
     let surface = &*scene.surface;
     let us = |start: Instant| start.elapsed().as_secs_f64() * 1e6;
     let start = Instant::now();
-    model.prepare(surface);
+    drawn.model().prepare(surface);
     let prepare_us = us(start);
     let shallower: Vec<Press> = (presses.iter())
         .map(|p| Press {
@@ -290,24 +338,37 @@ fn timed(scene: &Scene, model: &mut Fsmd, presses: &[Press]) -> Timings {
     let mut skin = Displacement::at_rest(surface);
     let mut strain = Strain::new(surface, &skin);
     let mut times = [const { Vec::new() }; 3];
+    let began = Instant::now();
     for i in 0..REPEATS {
         let now = if i % 2 == 0 { presses } else { &shallower };
         let start = Instant::now();
-        model.displace(surface, now, &mut skin);
-        times[0].push(us(start));
-        let start = Instant::now();
-        model.shade(surface, &mut skin);
-        times[1].push(us(start));
+        match drawn {
+            Drawn::Fsmd(fsmd) => {
+                fsmd.displace(surface, now, &mut skin);
+                times[0].push(us(start));
+                let start = Instant::now();
+                fsmd.shade(surface, &mut skin);
+                times[1].push(us(start));
+            }
+            Drawn::Yardstick(model) => {
+                model.update(surface, now, &mut skin);
+                times[0].push(us(start));
+            }
+        }
         let start = Instant::now();
         strain.update(surface, &skin);
         times[2].push(us(start));
+        if began.elapsed() > LONGEST {
+            break;
+        }
     }
     let [displace_us, shade_us, strain_us] = times.map(|mut t| {
         t.sort_unstable_by(f64::total_cmp);
-        t[REPEATS / 2]
+        t.get(t.len() / 2).copied()
     });
+    let (displace_us, strain_us) = (displace_us.unwrap_or(0.0), strain_us.unwrap_or(0.0));
     let moved = skin.n_moved();
-    let whole_us = displace_us + shade_us + strain_us;
+    let whole_us = displace_us + shade_us.unwrap_or(0.0) + strain_us;
     Timings {
         prepare_us,
         displace_us,
@@ -487,10 +548,12 @@ fn print_table(p: &Printed) {
     row(
         "an update takes",
         format!(
-            "{:.1} µs: offsets {:.1}, normals {:.1}, strain {:.1}{}",
-            t.displace_us + t.shade_us + t.strain_us,
-            t.displace_us,
-            t.shade_us,
+            "{:.1} µs: offsets {}, strain {:.1}{}",
+            t.displace_us + t.shade_us.unwrap_or(0.0) + t.strain_us,
+            match t.shade_us {
+                Some(shade_us) => format!("{:.1}, normals {shade_us:.1}", t.displace_us),
+                None => format!("and normals {:.1}", t.displace_us),
+            },
             t.strain_us,
             t.ns_per_vertex
                 .map_or(String::new(), |ns| format!("; {ns:.1} ns per vertex moved"))
