@@ -47,6 +47,8 @@ pub fn all() -> &'static [&'static dyn Experiment] {
         &deform::LocationRatio,
         &deform::Curves,
         &deform::Yardsticks,
+        &error::ErrorVsTime,
+        &error::ErrorOverSession,
     ]
 }
 
