@@ -419,8 +419,8 @@ fn cells_fill_the_frame_each_in_the_colour_of_its_class() {
         "growing",
         "theory",
         "seed 3",
-        ">100<",
-        ">0.1<",
+        "\n100\n",
+        "\n0.1\n",
     ] {
         assert!(text.contains(told), "{told} is missing");
     }

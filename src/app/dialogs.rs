@@ -95,6 +95,18 @@ pub fn save_table(
     });
 }
 
+/// Asks for a folder to write into; `then` gets its path.
+pub fn open_folder(
+    send: &CommandSender,
+    what: &'static str,
+    then: impl FnOnce(PathBuf) + Send + 'static,
+) {
+    ask(send, what, move |dialog| {
+        let picked = dialog.set_title(format!("Folder for {what}")).pick_folder();
+        answered(picked, then)
+    });
+}
+
 /// Hands a picked path on; a dialog that was closed without one is no command.
 fn answered(picked: Option<PathBuf>, then: impl FnOnce(PathBuf)) -> Option<Command> {
     then(picked?);
@@ -116,7 +128,7 @@ fn ask(
                 None if start.elapsed() < UNSEEN => thread_send.send(Command::Tell(
                     Level::Warning,
                     format!(
-                        "This desktop offers no file dialog: type the path of {what} into the path field"
+                        "This desktop offers no file dialog: type the path of {what} into the field beside the button"
                     ),
                 )),
                 None => {}

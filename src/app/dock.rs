@@ -404,6 +404,7 @@ mod tests {
                 crate::app::panels::partition::KEY,
                 crate::app::panels::ellipse_map::KEY,
                 crate::app::panels::stiffness_map::KEY,
+                crate::app::panels::lab::KEY,
             ]
         );
         let mut main = panels.iter().filter(|p| p.home == Home::Main);

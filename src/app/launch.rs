@@ -31,6 +31,8 @@ pub struct Options {
     pub panel: Option<String>,
     /// What the Back view colours the skin by, by its key; `None` takes the stored choice.
     pub colour: Option<String>,
+    /// The experiment that the Lab panel shows, by its name; `None` takes the one shown last.
+    pub experiment: Option<String>,
     /// Size of the window, points.
     pub size: (u16, u16),
 }
@@ -57,6 +59,7 @@ impl Default for Options {
             dark: None,
             panel: None,
             colour: None,
+            experiment: None,
             size: (1280, 800),
         }
     }
@@ -68,6 +71,20 @@ fn recordings_folder() -> PathBuf {
         || PathBuf::from("recordings"),
         |dirs| dirs.data_dir().join("recordings"),
     )
+}
+
+/// What panels take as if it had been chosen in them.
+fn recalled(options: &Options) -> Vec<(String, String)> {
+    use super::panels::{BACK_VIEW_KEY, lab};
+    let of = |panel: &str, key: &str, value: &Option<String>| {
+        let value = value.as_ref()?;
+        Some((panel.to_owned(), format!("{key}={value}")))
+    };
+    let chosen = [
+        of(BACK_VIEW_KEY, "colour", &options.colour),
+        of(lab::KEY, "experiment", &options.experiment),
+    ];
+    chosen.into_iter().flatten().collect()
 }
 
 /// Opens the workbench and returns when it is closed.
@@ -86,11 +103,7 @@ pub fn run(options: Options) -> Result<(), String> {
         folder: recordings_folder(),
         dark: options.dark,
         panel: options.panel.clone(),
-        recall: options
-            .colour
-            .iter()
-            .map(|key| (super::panels::BACK_VIEW_KEY.into(), format!("colour={key}")))
-            .collect(),
+        recall: recalled(&options),
     };
     let (width, height) = (f32::from(options.size.0), f32::from(options.size.1));
     let native = eframe::NativeOptions {

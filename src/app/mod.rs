@@ -25,6 +25,7 @@ mod dialogs;
 pub mod dock;
 pub mod editor;
 pub mod history;
+pub mod laboratory;
 mod launch;
 mod libraries;
 pub mod messages;

@@ -35,6 +35,9 @@ pub struct WorkbenchArgs {
     /// last.
     #[arg(long, value_name = "NAME")]
     colour: Option<String>,
+    /// The experiment that the Lab panel shows; otherwise as chosen last.
+    #[arg(long, value_name = "NAME")]
+    experiment: Option<String>,
     /// A recording to replay at once.
     #[arg(long, value_name = "FILE.mcap")]
     recording: Option<PathBuf>,
@@ -106,6 +109,15 @@ fn options(args: &WorkbenchArgs) -> Result<crate::app::Options, CliError> {
     if let Some(key) = &args.colour {
         crate::app::colours::named(key).map_err(CliError::input)?;
     }
+    if let Some(name) = &args.experiment
+        && !crate::lab::all().iter().any(|e| e.name() == name)
+    {
+        let names: Vec<_> = crate::lab::all().iter().map(|e| e.name()).collect();
+        return Err(CliError::input(format_args!(
+            "--experiment {name}: there are {}",
+            names.join(", ")
+        )));
+    }
     Ok(Options {
         source: args.scenario.as_ref().map(source).transpose()?,
         first_frame: args.first_frame,
@@ -117,6 +129,7 @@ fn options(args: &WorkbenchArgs) -> Result<crate::app::Options, CliError> {
         dark: args.theme.map(|theme| theme == Theme::Dark),
         panel: args.panel.clone(),
         colour: args.colour.clone(),
+        experiment: args.experiment.clone(),
         size: args.size,
         recording: args.recording.clone(),
         ..Options::default()

@@ -18,13 +18,50 @@ pub enum Scale {
 }
 
 impl Scale {
-    /// Where a value stands along the axis: NaN where it has no place.
-    pub(super) fn place(self, value: f64) -> f64 {
+    /// Where a value stands along the axis, in decades where it is logarithmic: NaN where it has no place.
+    pub fn place(self, value: f64) -> f64 {
         match self {
             Self::Linear => value,
             Self::Logarithmic if value > 0.0 && value <= FARTHEST => libm::log10(value),
             Self::Logarithmic => f64::NAN,
         }
+    }
+}
+
+/// The range of an axis that shows `places`, with `margin` of their span to each side: never without a width.
+pub fn axis_range(places: impl Iterator<Item = f64>, margin: f64, scale: Scale) -> Range<f64> {
+    padded(
+        extent(places.filter(|p| p.abs() <= FARTHEST)),
+        margin,
+        scale,
+    )
+}
+
+/// The marks of an axis.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Marks {
+    /// Where numbers stand, and the numbers.
+    pub major: Vec<(f64, String)>,
+    /// Where lines without a number stand.
+    pub minor: Vec<f64>,
+}
+
+/// About `n` round marks for a range of places; none for a range without a width.
+pub fn axis_marks(range: Range<f64>, n: usize, scale: Scale) -> Marks {
+    let is_drawn = range.start.abs() <= FARTHEST && range.end.abs() <= FARTHEST;
+    // Narrower, neighbouring marks would be one number.
+    let least = 1.0e-12 * range.start.abs().max(range.end.abs());
+    if !is_drawn || range.end - range.start <= least {
+        return Marks::default();
+    }
+    let axis = Axis::new(range, n, scale);
+    Marks {
+        major: axis
+            .marks
+            .iter()
+            .map(|m| (*m, axis.format_ext(m)))
+            .collect(),
+        minor: axis.minor,
     }
 }
 

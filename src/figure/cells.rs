@@ -47,6 +47,61 @@ pub struct CellMap {
     pub series: Vec<Series>,
 }
 
+/// Cells of one class that lie side by side in a row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CellBox {
+    /// From where to where along x.
+    pub x: [f64; 2],
+    /// From where to where along y.
+    pub y: [f64; 2],
+    /// Their class, as its place among the classes.
+    pub class: usize,
+}
+
+impl CellMap {
+    /// All cells that have a class, those of one class side by side as one box.
+    pub fn boxes(&self) -> Vec<CellBox> {
+        let columns = self.x_edges.len().saturating_sub(1);
+        let rows = self.y_edges.len().saturating_sub(1);
+        let mut boxes: Vec<CellBox> = Vec::new();
+        if columns == 0 {
+            return boxes;
+        }
+        let mut open = None;
+        for (i, &class) in self.cells.iter().enumerate().take(columns * rows) {
+            let (row, column, class) = (i / columns, i % columns, usize::from(class));
+            if class >= self.classes.len() {
+                open = None;
+                continue;
+            }
+            match boxes.last_mut() {
+                Some(last) if open == Some((row, class)) && column > 0 => {
+                    last.x[1] = self.x_edges[column + 1];
+                }
+                _ => boxes.push(CellBox {
+                    x: [self.x_edges[column], self.x_edges[column + 1]],
+                    y: [self.y_edges[row], self.y_edges[row + 1]],
+                    class,
+                }),
+            }
+            open = Some((row, class));
+        }
+        boxes
+    }
+
+    /// The class of the cell at a place; nothing where there is none.
+    pub fn class_at(&self, [x, y]: [f64; 2]) -> Option<&Class> {
+        let column = |edges: &[f64], at: f64| {
+            edges
+                .windows(2)
+                .position(|pair| at >= pair[0] && at < pair[1])
+        };
+        let columns = self.x_edges.len().saturating_sub(1);
+        let i = column(&self.y_edges, y)? * columns + column(&self.x_edges, x)?;
+        self.classes.get(usize::from(*self.cells.get(i)?))
+    }
+}
+
 const FRAME_HEIGHT: u32 = 400 * PX;
 const LINE_WIDTH: u32 = 2 * PX;
 /// Of the white beside a curve, so that it is seen over cells of any colour.
@@ -100,19 +155,18 @@ fn draw(area: &Area, map: &CellMap, legend_height: u32) -> Result<()> {
         .map_err(Error::other)?;
 
     let mut empty = true;
-    for run in runs(map) {
-        let (x, y) = ([run.from, run.to], [run.row, run.row + 1]);
-        let corner = |i: usize| (x_edges[x[i]], y_edges[y[i]]);
-        let is_placed = |(x, y): (f64, f64)| x.is_finite() && y.is_finite();
-        if !is_placed(corner(0)) || !is_placed(corner(1)) {
+    for cells in map.boxes() {
+        let place = |i: usize| (map.x_scale.place(cells.x[i]), map.y_scale.place(cells.y[i]));
+        let is_placed = |(x, y): (f64, f64)| x.abs() <= FARTHEST && y.abs() <= FARTHEST;
+        if !is_placed(place(0)) || !is_placed(place(1)) {
             continue;
         }
         // Cells meet on whole pixels: no hairline shows between them.
         let corners = [0, 1].map(|i| {
-            let (x, y) = chart.backend_coord(&corner(i));
+            let (x, y) = chart.backend_coord(&place(i));
             (whole(x), whole(y))
         });
-        let [r, g, b] = map.classes[run.class].colour;
+        let [r, g, b] = map.classes[cells.class].colour;
         area.draw(&Rectangle::new(corners, RGBColor(r, g, b).filled()))
             .map_err(Error::other)?;
         empty = false;
@@ -194,40 +248,6 @@ fn places(edges: &[f64], scale: Scale) -> Vec<f64> {
         .map(|&e| scale.place(e))
         .map(|e| if e.abs() <= FARTHEST { e } else { f64::NAN })
         .collect()
-}
-
-/// Cells of one class that lie side by side in a row.
-struct Run {
-    row: usize,
-    from: usize,
-    to: usize,
-    class: usize,
-}
-
-/// All cells with a class, as runs.
-fn runs(map: &CellMap) -> Vec<Run> {
-    let columns = map.x_edges.len().saturating_sub(1);
-    let rows = map.y_edges.len().saturating_sub(1);
-    let mut runs: Vec<Run> = Vec::new();
-    if columns == 0 {
-        return runs;
-    }
-    for (i, &class) in map.cells.iter().enumerate().take(columns * rows) {
-        let (row, column, class) = (i / columns, i % columns, usize::from(class));
-        if class >= map.classes.len() {
-            continue;
-        }
-        match runs.last_mut() {
-            Some(run) if run.row == row && run.to == column && run.class == class => run.to += 1,
-            _ => runs.push(Run {
-                row,
-                from: column,
-                to: column + 1,
-                class,
-            }),
-        }
-    }
-    runs
 }
 
 fn is_in(point: [f64; 2], frame: [[f64; 2]; 2]) -> bool {
@@ -327,23 +347,39 @@ mod tests {
     fn cells_of_a_class_side_by_side_are_one_and_rows_are_not() {
         let map = CellMap {
             x_edges: vec![0.0, 1.0, 2.0, 3.0],
-            y_edges: vec![0.0, 1.0, 2.0],
+            y_edges: vec![0.0, 10.0, 20.0],
             cells: vec![0, 0, 1, 1, 9, 1, 0, 0],
-            classes: vec![Class::default(); 2],
+            classes: ["a", "b"]
+                .map(|name| Class {
+                    name: name.to_owned(),
+                    ..Class::default()
+                })
+                .into(),
             ..CellMap::default()
         };
-        let found: Vec<_> = runs(&map)
-            .iter()
-            .map(|r| (r.row, r.from, r.to, r.class))
-            .collect();
+        let boxes: Vec<_> = map.boxes().iter().map(|b| (b.x, b.y[0], b.class)).collect();
         assert_eq!(
-            found,
-            [(0, 0, 2, 0), (0, 2, 3, 1), (1, 0, 1, 1), (1, 2, 3, 1)]
+            boxes,
+            [
+                ([0.0, 2.0], 0.0, 0),
+                ([2.0, 3.0], 0.0, 1),
+                ([0.0, 1.0], 10.0, 1),
+                ([2.0, 3.0], 10.0, 1)
+            ]
+        );
+        let name = |x, y| map.class_at([x, y]).map(|c| &*c.name);
+        assert_eq!(
+            [name(0.0, 0.0), name(2.5, 9.9), name(2.5, 10.0)],
+            [Some("a"), Some("b"), Some("b")]
+        );
+        assert_eq!(
+            [name(1.5, 15.0), name(3.0, 0.0), name(f64::NAN, 0.0)],
+            [None; 3]
         );
         let without = CellMap {
             x_edges: vec![1.0],
             ..map
         };
-        assert!(runs(&without).is_empty());
+        assert!(without.boxes().is_empty() && without.class_at([1.0, 1.0]).is_none());
     }
 }

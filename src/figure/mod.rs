@@ -14,9 +14,9 @@ mod raster;
 mod relief;
 mod sheet;
 
-pub use axis::Scale;
+pub use axis::{Marks, Scale, axis_marks, axis_range};
 pub use camera::Camera;
-pub use cells::{CellMap, Class};
+pub use cells::{CellBox, CellMap, Class};
 pub use file::write_files;
 pub use image::Image;
 pub use picture::{Ball, Picture};

@@ -12,6 +12,8 @@ pub(super) const TITLE_HEIGHT: u32 = 30 * PX;
 const LEGEND_ROW_HEIGHT: u32 = 20 * PX;
 pub(super) const X_LABEL_HEIGHT: u32 = 46 * PX;
 pub(super) const GAP: u32 = 14 * PX;
+/// Between the frames and the caption.
+const CAPTION_GAP: u32 = 8 * PX;
 const CAPTION_ROW_HEIGHT: u32 = 15 * PX;
 pub(super) const LEFT_MARGIN: u32 = 12 * PX;
 pub(super) const RIGHT_MARGIN: u32 = 28 * PX;
@@ -42,16 +44,17 @@ pub(super) fn sheet(
     draw: impl FnOnce(&Area) -> Result<()>,
 ) -> Result<String> {
     let rows = caption_rows(caption);
-    let whole = height + rows.len() as u32 * CAPTION_ROW_HEIGHT + GAP;
+    let above = if rows.is_empty() { 0 } else { CAPTION_GAP };
+    let whole = height + above + rows.len() as u32 * CAPTION_ROW_HEIGHT + GAP;
     let mut text = String::new();
     {
         let root = SVGBackend::with_string(&mut text, (WIDTH, whole)).into_drawing_area();
         root.fill(&WHITE).map_err(Error::other)?;
-        let (above, below) = root.split_vertically(height);
-        draw(&above)?;
+        let (frames, below) = root.split_vertically(height);
+        draw(&frames)?;
         let style = style(CAPTION_SIZE, FAINT).pos(Pos::new(HPos::Left, VPos::Center));
         for (i, row) in rows.iter().enumerate() {
-            let middle = i as u32 * CAPTION_ROW_HEIGHT + CAPTION_ROW_HEIGHT / 2;
+            let middle = above + i as u32 * CAPTION_ROW_HEIGHT + CAPTION_ROW_HEIGHT / 2;
             below
                 .draw_text(row, &style, (FRAME_LEFT as i32, middle as i32))
                 .map_err(Error::other)?;

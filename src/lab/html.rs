@@ -1,6 +1,5 @@
 //! A document as one HTML file to read, print and hand on: no scripts, and nothing is loaded from elsewhere.
 
-use super::table::short;
 use super::{Column, Document, Report, Table, Value, Verdict};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use std::io::Result;
@@ -176,7 +175,7 @@ fn verdicts(verdicts: &[Verdict]) -> Markup {
                 };
                 li {
                     span class=(class) { (word) }
-                    span.what { (v.what) }
+                    div.what { (v.what) }
                     span.found { (v.measured) }
                     span.goal { "goal: " (v.goal) }
                 }
@@ -202,7 +201,7 @@ fn table_of(table: &Table) -> Markup {
                     @for row in table.rows() {
                         tr {
                             @for (value, kind) in row.iter().zip(&kinds) {
-                                td class=(kind) { (short(value)) }
+                                td class=(kind) { (value.short()) }
                             }
                         }
                     }

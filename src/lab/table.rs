@@ -19,6 +19,15 @@ pub enum Value {
 }
 
 impl Value {
+    /// As shown to people: a number with four significant digits, a dash for nothing.
+    pub fn short(&self) -> String {
+        match self {
+            Self::Empty => "–".to_owned(),
+            Self::Number(x) => significant(*x),
+            other => other.to_string(),
+        }
+    }
+
     /// The number in the cell, where there is one.
     pub fn number(&self) -> Option<f64> {
         match self {
@@ -178,7 +187,7 @@ impl fmt::Display for Table {
         let shown: Vec<Vec<String>> = self
             .rows
             .iter()
-            .map(|r| r.iter().map(short).collect())
+            .map(|r| r.iter().map(Value::short).collect())
             .collect();
         let is_text = |i: usize| self.rows.iter().any(|r| matches!(r[i], Value::Text(_)));
         let wide = |text: &str| text.chars().count();
@@ -211,15 +220,6 @@ impl fmt::Display for Table {
             line(&mut row.iter().map(String::as_str))?;
         }
         Ok(())
-    }
-}
-
-/// A cell for people.
-pub(crate) fn short(value: &Value) -> String {
-    match value {
-        Value::Empty => "–".to_owned(),
-        Value::Number(x) => significant(*x),
-        other => other.to_string(),
     }
 }
 

@@ -2,6 +2,7 @@
 
 pub mod back_view;
 pub mod ellipse_map;
+pub mod lab;
 mod legend;
 mod messages;
 pub mod partition;
@@ -72,5 +73,6 @@ pub fn all() -> Vec<Box<dyn Panel>> {
         Box::new(messages::MessagesPanel::default()),
         Box::new(ellipse_map::EllipseMapPanel::default()),
         Box::new(stiffness_map::StiffnessMapPanel::default()),
+        Box::new(lab::LabPanel::default()),
     ]
 }
