@@ -330,14 +330,20 @@ fn legend_ui(
     map: Option<&CellMap>,
 ) {
     ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing = vec2(5.0, 1.0);
+        ui.spacing_mut().item_spacing = vec2(14.0, 2.0);
+        let text = cx.theme.text;
+        // Sign and name are one piece, so that rows break between entries only.
         let entry = |ui: &mut egui::Ui, name: &str, paint: &dyn Fn(&egui::Painter, Rect)| {
-            // Name and sign stay together on a line.
-            ui.horizontal(|ui| {
-                let (rect, _) = ui.allocate_exact_size(vec2(18.0, 14.0), egui::Sense::hover());
-                paint(ui.painter(), rect);
-                ui.label(RichText::new(name).size(12.0));
-                ui.add_space(7.0);
+            let font = egui::FontId::proportional(12.0);
+            let galley = ui.painter().layout_no_wrap(name.to_owned(), font, text);
+            let size = vec2(galley.size().x + 24.0, galley.size().y.max(14.0));
+            let (rect, response) = ui.allocate_exact_size(size, egui::Sense::hover());
+            let (left, right) = rect.split_left_right_at_x(rect.left() + 18.0);
+            paint(ui.painter(), left);
+            let at = right.left_center() + vec2(6.0, -0.5 * galley.size().y);
+            ui.painter().galley(at, galley, text);
+            response.widget_info(|| {
+                egui::WidgetInfo::labeled(egui::accesskit::Role::Label, true, name)
             });
         };
         for class in map.iter().flat_map(|m| &m.classes) {

@@ -108,8 +108,7 @@ fn choices_ui(
 
 /// A named field that stays on one line with its name.
 fn field(ui: &mut egui::Ui, name: &str, text: &mut String, hint: &str, width: f32, why: &str) {
-    ui.horizontal(|ui| {
-        ui.spacing_mut().item_spacing.x = 5.0;
+    together(ui, name, width, |ui| {
         let label = ui.label(name);
         ui.add(
             egui::TextEdit::singleline(text)
@@ -118,6 +117,18 @@ fn field(ui: &mut egui::Ui, name: &str, text: &mut String, hint: &str, width: f3
         )
         .labelled_by(label.id)
         .on_hover_text(why);
+    });
+}
+
+/// A name and what is `width` wide beside it, as one piece of a wrapped row.
+pub fn together(ui: &mut egui::Ui, name: &str, width: f32, add: impl FnOnce(&mut egui::Ui)) {
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let galley = (ui.painter()).layout_no_wrap(name.to_owned(), font, egui::Color32::WHITE);
+    let size = vec2(galley.size().x + 5.0 + width + 10.0, 22.0);
+    let left = egui::Layout::left_to_right(egui::Align::Center);
+    ui.allocate_ui_with_layout(size, left, |ui| {
+        ui.spacing_mut().item_spacing.x = 5.0;
+        add(ui);
     });
 }
 

@@ -120,8 +120,9 @@ impl Panel for LabPanel {
                 return;
             }
             // Choices and results scroll together: in a low panel neither leaves the other without room.
+            let chosen = self.laboratory.chosen().map(|e| e.name());
             egui::ScrollArea::vertical()
-                .id_salt("main")
+                .id_salt(("main", chosen))
                 .auto_shrink(false)
                 .show(ui, |ui| {
                     // The bar of the scroll area lies over the right end of what it scrolls.

@@ -2,6 +2,7 @@
 
 use super::PanelContext;
 use super::chart::{self, ChartContext};
+use super::choices::together;
 use super::experiments::capitalised;
 use super::table::Tables;
 use crate::app::command::CommandSender;
@@ -107,11 +108,12 @@ impl Results {
             );
             let when: String = report.measured.chars().take(16).collect();
             let when = when.replace('T', " ");
-            ui.label(RichText::new(format!("Measured {when} UTC")).weak())
+            let quick = match found.document.quick {
+                true => ", a quick look",
+                false => "",
+            };
+            ui.label(RichText::new(format!("Measured {when} UTC{quick}")).weak())
                 .on_hover_text(&report.measured);
-            if found.document.quick {
-                ui.label(RichText::new("Quick look").weak());
-            }
         });
         if !laboratory.is_current(cx.view) && laboratory.progress().is_none() {
             ui.label(
@@ -145,8 +147,7 @@ impl Results {
                     report::save(document, name, folder, &tell);
                 });
             }
-            ui.horizontal(|ui| {
-                ui.spacing_mut().item_spacing.x = 5.0;
+            together(ui, "Folder", 190.0 + 60.0, |ui| {
                 let label = ui.label(RichText::new("Folder").weak());
                 let field = ui
                     .add(

@@ -57,7 +57,7 @@ impl Laid {
                 let font = if is_text[i] { &body } else { &mono };
                 let column = &table.columns()[i];
                 // Room for the arrow beside the name.
-                let head = wide(&column.name, &body) + 16.0;
+                let head = wide(&column.name, &body) + 22.0;
                 let unit = wide(&column.unit, &body);
                 let cells = text.iter().map(|row| wide(&row[i], font));
                 cells.fold(head.max(unit), f32::max).ceil()
@@ -196,18 +196,18 @@ fn head_ui(ui: &mut egui::Ui, table: &Table, laid: &mut Laid, theme: &Theme) {
         let column = &table.columns()[i];
         let (name, unit) = at.split_top_bottom_at_y(at.top() + ROW);
         cell_ui(ui, name, laid.is_text[i], |ui| {
+            let name = RichText::new(&column.name).strong();
             let arrow = match laid.sorted {
-                Some((of, true)) if of == i => " ▼",
-                Some((of, false)) if of == i => " ▲",
-                _ => "",
+                Some((of, true)) if of == i => Some(icon::ICON_ARROW_DOWNWARD),
+                Some((of, false)) if of == i => Some(icon::ICON_ARROW_UPWARD),
+                _ => None,
             };
-            let text = RichText::new(format!("{}{arrow}", column.name)).strong();
+            let button = match arrow {
+                Some(arrow) => egui::Button::new((name, arrow.rich_text().size(12.0))),
+                None => egui::Button::new(name),
+            };
             let head = ui
-                .add(
-                    egui::Button::new(text)
-                        .frame(false)
-                        .min_size(vec2(0.0, ROW)),
-                )
+                .add(button.frame(false).min_size(vec2(0.0, ROW)))
                 .on_hover_text(format!(
                     "Sort by {column}; again: the other way round; a third time: as it was"
                 ));
