@@ -35,7 +35,8 @@ pub enum Mark {
     Line,
     /// Each as a dot, joined by a line: a few measured points.
     Joined,
-    /// Each as a ring, joined by a dashed line: the figures of someone else beside ours.
+    /// Each as a ring, joined by a dashed line: the figures of someone else beside ours. A curve of many points goes
+    /// without rings.
     Dashed,
     /// Each as a dot by itself.
     Points,
@@ -63,6 +64,9 @@ pub struct LinePlot {
     /// The curves, the last on top.
     pub series: Vec<Series>,
 }
+
+/// Most points of a dashed curve that are shown as rings: more lie on each other.
+pub const MOST_RINGS: usize = 40;
 
 const FRAME_HEIGHT: u32 = 210 * PX;
 
@@ -173,7 +177,8 @@ fn draw(area: &Area, plot: &LinePlot, x: &Shared, last: bool) -> Result<()> {
                 .draw_series(DashedLineSeries::new(joined.clone(), 6 * PX, 4 * PX, thin))
                 .map_err(Error::other)?;
         }
-        if !series.mark.has_dots() && curve.len() > 1 {
+        let is_smear = series.mark == Mark::Dashed && series.points.len() > MOST_RINGS;
+        if (!series.mark.has_dots() || is_smear) && curve.len() > 1 {
             continue;
         }
         for style in dot_styles(series.mark, colour) {

@@ -2,6 +2,7 @@
 //! is.
 
 use crate::app::theme::Theme;
+use crate::figure::plot::MOST_RINGS;
 use crate::figure::{CellMap, LinePlot, Mark, Scale, Series, axis_marks, axis_range};
 use crate::lab::{Table, Value};
 use egui::{Color32, Pos2, Rect, RichText, Shape, Stroke, vec2};
@@ -232,10 +233,12 @@ fn names_of(tables: &[Table], point: [f64; 2]) -> Vec<&str> {
         has(point[0]) && has(point[1])
     };
     let row = tables.iter().find_map(|t| t.rows().iter().find(holds));
-    let name = |value| match value {
-        &Value::Text(ref text) if !text.trim().is_empty() => Some(text.as_str()),
-        _ => None,
-    };
+    fn name(value: &Value) -> Option<&str> {
+        match value {
+            Value::Text(text) if !text.trim().is_empty() => Some(text),
+            _ => None,
+        }
+    }
     row.into_iter().flatten().filter_map(name).collect()
 }
 
@@ -301,7 +304,8 @@ fn draw<'a>(
     }
     let dotted = match mark {
         Mark::Line => placed.points.len() == 1,
-        Mark::Dashed => !over_cells,
+        // Rings that lie on each other are a smear.
+        Mark::Dashed => !over_cells && placed.points.len() <= MOST_RINGS,
         Mark::Joined | Mark::Points => true,
     };
     if !dotted {

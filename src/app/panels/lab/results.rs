@@ -23,6 +23,8 @@ const WORD: f32 = 112.0;
 pub struct Results {
     tables: Tables,
     folder: String,
+    /// The section to scroll to.
+    asked: Option<&'static str>,
 }
 
 impl Results {
@@ -43,19 +45,19 @@ impl Results {
         };
         self.head_ui(ui, cx, laboratory, found, report);
         if !report.verdicts.is_empty() {
-            heading(ui, "What holds");
+            heading(ui, "What holds", &mut self.asked);
             for verdict in &report.verdicts {
                 verdict_ui(ui, theme, verdict);
             }
         }
         if !report.notes.is_empty() {
-            heading(ui, "Notes");
+            heading(ui, "Notes", &mut self.asked);
             for note in &report.notes {
                 ui.label(note);
             }
         }
         if !report.figures.is_empty() {
-            heading(ui, "Figures");
+            heading(ui, "Figures", &mut self.asked);
         }
         let context = ChartContext {
             theme,
@@ -70,14 +72,14 @@ impl Results {
             });
         }
         if !report.tables.is_empty() {
-            heading(ui, "Tables");
+            heading(ui, "Tables", &mut self.asked);
         }
         for table in &report.tables {
             let key = (report.experiment.clone(), table.name.clone());
             self.tables.show(ui, key, found.number, table, theme);
         }
         if !report.settings.is_empty() {
-            heading(ui, "Settings");
+            heading(ui, "Settings", &mut self.asked);
             settings_ui(ui, report);
         }
         ui.add_space(10.0);
@@ -122,6 +124,26 @@ impl Results {
             );
         }
         self.save_ui(ui, cx.send, found, laboratory);
+        let sections = [
+            ("Notes", report.notes.len()),
+            ("Figures", report.figures.len()),
+            ("Tables", report.tables.len()),
+            ("Settings", report.settings.len()),
+        ];
+        ui.horizontal_wrapped(|ui| {
+            ui.label(RichText::new("Go to").weak());
+            for (name, _) in sections.into_iter().filter(|(_, n)| *n > 0) {
+                let link = ui.link(name).on_hover_text("Scroll to this section");
+                link.widget_info(|| {
+                    let role = egui::accesskit::Role::Link;
+                    egui::WidgetInfo::labeled(role, true, format!("Go to {name}"))
+                });
+                if link.clicked() {
+                    self.asked = Some(name);
+                    ui.ctx().request_repaint();
+                }
+            }
+        });
     }
 
     fn save_ui(
@@ -173,9 +195,14 @@ impl Results {
     }
 }
 
-fn heading(ui: &mut egui::Ui, text: &str) {
+/// Begins a section; scrolls to it where it is asked for.
+fn heading(ui: &mut egui::Ui, text: &'static str, asked: &mut Option<&'static str>) {
     ui.add_space(10.0);
-    ui.label(RichText::new(text).strong().size(14.5));
+    let heading = ui.label(RichText::new(text).strong().size(14.5));
+    if *asked == Some(text) {
+        heading.scroll_to_me(Some(egui::Align::TOP));
+        *asked = None;
+    }
     ui.add_space(1.0);
 }
 
@@ -198,13 +225,10 @@ fn verdict_ui(ui: &mut egui::Ui, theme: &Theme, verdict: &Verdict) {
             ui.label(RichText::new(word).color(colour).strong())
                 .on_hover_text(why);
         });
-        ui.vertical(|ui| {
-            ui.spacing_mut().item_spacing.y = 1.0;
-            ui.label(capitalised(&verdict.what));
-            ui.horizontal_wrapped(|ui| {
-                ui.label(RichText::new(&verdict.measured).strong());
-                ui.label(RichText::new(format!("goal: {}", verdict.goal)).weak());
-            });
+        ui.horizontal_wrapped(|ui| {
+            ui.label(format!("{}:", capitalised(&verdict.what)));
+            ui.label(RichText::new(&verdict.measured).strong());
+            ui.label(RichText::new(format!("goal: {}", verdict.goal)).weak());
         });
     });
 }
