@@ -28,6 +28,7 @@ max_normal_mm = 10
 
 const DRAWN: Use = Use {
     fingers: 2,
+    live: true,
     drawn: true,
     deformed: true,
     recorded: false,

@@ -39,6 +39,8 @@ pub struct View {
     pub playback: Option<PlaybackStatus>,
     /// What the recorder does.
     pub recorder: RecorderStatus,
+    /// Memory of the servo's ring and of what drains it, bytes; 0 while no servo runs.
+    pub ring_bytes: usize,
     /// The plotted past.
     pub history: Arc<Mutex<History>>,
     /// Moves the mouse fingers: one per finger that is moved by the mouse, in the order of the fingers.
@@ -73,6 +75,7 @@ impl Default for View {
             live: Snapshot::default(),
             playback: None,
             recorder: RecorderStatus::default(),
+            ring_bytes: 0,
             history: Arc::default(),
             hands: Vec::new(),
             devices: Vec::new(),
@@ -163,6 +166,8 @@ pub struct RecorderStatus {
     pub bytes: u64,
     /// Ticks that were lost to it.
     pub lost: u64,
+    /// Memory it holds while it records, bytes.
+    pub held_bytes: usize,
     /// Finished recordings, newest first.
     pub recent: Vec<RecentFile>,
     /// Where new recordings go.

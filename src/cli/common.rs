@@ -1,8 +1,6 @@
 //! What several subcommands share: finding a scenario, building it, showing progress.
 
 use super::CliError;
-use crate::geom::Vec3;
-use crate::partition::{Partition as _, Sides};
 use crate::scenario::{self, Example, Scenario, Scene, Use};
 use crate::surface::{RawMesh, Surface, back, io};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -79,31 +77,6 @@ pub(super) fn load_mesh(mesh: &str) -> Result<Surface, CliError> {
     let (surface, _) =
         Surface::new(raw).map_err(|e| CliError::input(format_args!("{e}: {mesh}")))?;
     Ok(surface)
-}
-
-/// Height at which a finger touches the skin over a place of the map plane, mm, seen from behind: a pad's centre is a
-/// radius above it. `None` beside the surface.
-pub(super) fn height_mm(scene: &Scene, x: f64, y: f64) -> Option<f64> {
-    let bounds = scene.surface.bounds();
-    let (from, to) = (
-        Vec3::new(x, y, bounds.max.z + 1.0),
-        Vec3::new(x, y, bounds.min.z - 1.0),
-    );
-    scene
-        .touch
-        .search
-        .sweep(&scene.surface, from, to, Sides::Front)
-        .map(|hit| hit.point.z + scene.touch.choices.pad_mm().unwrap_or(0.0))
-}
-
-/// Where scripts press unless told otherwise, mm on the map plane: right of the middle, over the muscle of the built-in
-/// back beside the spine.
-pub(super) fn default_place(scene: &Scene) -> (f64, f64) {
-    let bounds = scene.surface.bounds();
-    (
-        bounds.centre().x + 0.08 * bounds.size().x,
-        bounds.centre().y,
-    )
 }
 
 /// Parses `x,y` in mm.

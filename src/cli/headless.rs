@@ -1,7 +1,7 @@
 //! The main job without a window: a scripted finger palpates the back, the session is recorded, replayed bit by bit, and
 //! shown in a plot and a picture.
 
-use super::common::{build_scene, default_place, load_scenario};
+use super::common::{build_scene, load_scenario};
 use super::run::{Plan, script_over};
 use super::summary::Summary;
 use super::{CliError, Outcome, print, print_json};
@@ -52,7 +52,7 @@ pub fn run(scenario: Option<&str>, out: Option<&Path>, json: bool) -> Result<Out
     std::fs::create_dir_all(&folder).map_err(failed)?;
     let session_path = unused(&folder, "palpation", "mcap");
 
-    let script = script_over(&scene, Script::Slide, default_place(&scene), DEPTH_MM);
+    let script = script_over(&scene, Script::Slide, scene.default_place_mm(), DEPTH_MM);
     let plan = Plan {
         rate_hz: 1000.0,
         trajectories: vec![script],

@@ -4,6 +4,7 @@
 //! names the cause and the remedy. With `--json` one JSON document stands on stdout and nothing else.
 
 mod common;
+mod count;
 mod deform;
 mod headless;
 mod lab;
@@ -85,6 +86,9 @@ enum Command {
     Deform(deform::DeformArgs),
     /// Run an experiment: tables, plots and what holds. "list" tells which there are.
     Lab(lab::LabArgs),
+    /// Count one case of `lab pruning`; the lab starts it.
+    #[command(name = crate::lab::pruning::SUBCOMMAND, hide = true)]
+    Count,
 }
 
 /// Prints a line, or several, on stdout. Whoever closed the pipe has read enough: that is no error.
@@ -115,6 +119,7 @@ pub fn main() -> u8 {
         }
     };
     let json = arguments.json;
+    count::offer();
     let outcome = match &arguments.command {
         None => workbench::run(&arguments.workbench, json),
         Some(Command::Run(args)) => run::run(args, json),
@@ -125,6 +130,7 @@ pub fn main() -> u8 {
         Some(Command::Partition(args)) => partition::run(args, json),
         Some(Command::Deform(args)) => deform::run(args, json),
         Some(Command::Lab(args)) => lab::run(args, json),
+        Some(Command::Count) => count::run(),
     };
     match outcome {
         Ok(Outcome::Done) => 0,

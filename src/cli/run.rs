@@ -1,8 +1,6 @@
 //! `dorsum run`: the full servo loop with a scripted device, without a window.
 
-use super::common::{
-    build_scene, default_place, height_mm, load_scenario, parse_place, progress_bar,
-};
+use super::common::{build_scene, load_scenario, parse_place, progress_bar};
 use super::summary::Summary;
 use super::{CliError, Outcome, print, print_json};
 use crate::device::Device;
@@ -103,7 +101,7 @@ pub fn run(args: &RunArgs, json: bool) -> Result<Outcome, CliError> {
             path.display().to_string(),
         ),
         (None, Some(script)) => {
-            let place = args.at.unwrap_or_else(|| default_place(&scene));
+            let place = args.at.unwrap_or_else(|| scene.default_place_mm());
             (
                 vec![script_over(&scene, script, place, args.depth)],
                 script.to_string(),
@@ -162,7 +160,7 @@ pub(super) fn script_over(
     place: (f64, f64),
     depth_mm: f64,
 ) -> Trajectory {
-    script.trajectory(place, depth_mm, |x, y| height_mm(scene, x, y))
+    script.trajectory(place, depth_mm, |x, y| scene.height_mm(x, y))
 }
 
 /// Motions at a rate.

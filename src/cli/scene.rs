@@ -1,12 +1,8 @@
 //! `dorsum scene`: what a scenario needs and what is left out, with bytes and µs.
 
-use super::common::{build_scene, bytes_text, default_place, height_mm, load_scenario};
+use super::common::{build_scene, bytes_text, load_scenario};
 use super::{CliError, Outcome, print, print_json};
-use crate::deform::{Displacement, Model as _, models::fsmd::Fsmd};
-use crate::device::scripted::{Script, Scripted};
-use crate::scenario::{Item, Ledger, Scene, Use};
-use crate::servo::{self, Limits, MAX_FINGERS, Rig};
-use std::time::{Duration, Instant};
+use crate::scenario::Use;
 
 /// Which scenario, used how.
 #[derive(Debug, clap::Args)]
@@ -45,7 +41,7 @@ pub fn run(args: &SceneArgs, json: bool) -> Result<Outcome, CliError> {
     };
     let scene = build_scene(load_scenario(&args.scenario)?, purpose)?;
     let mut ledger = scene.ledger.clone();
-    let tick_us = measure(&scene, purpose, &mut ledger);
+    let tick_us = scene.measure(purpose, &mut ledger);
     let printed = Printed {
         scenario: &scene.scenario.name,
         surface: &scene.mesh_origin,
@@ -84,8 +80,8 @@ pub fn run(args: &SceneArgs, json: bool) -> Result<Outcome, CliError> {
     }
     print("");
     print(format_args!(
-        "{:<22} {:<9} {:>10} {:>14}  {:<9} reason",
-        "part", "", "memory", "cost", ""
+        "{:<22} {:<9} {:>10} {:>12} {:>14}  {:<8} reason",
+        "part", "", "memory", "built in", "cost", ""
     ));
     for row in printed.ledger {
         let state = if row.built { "built" } else { "left out" };
@@ -94,14 +90,14 @@ pub fn run(args: &SceneArgs, json: bool) -> Result<Outcome, CliError> {
         } else {
             "–".into()
         };
-        let cost = row.cost_us.map_or("–".into(), |us| format!("{us:.2} µs"));
-        let per = if row.cost_per.is_empty() {
-            String::new()
-        } else {
-            format!("/ {}", row.cost_per)
-        };
+        let built_in = row
+            .build_us
+            .map_or("–".into(), |us| format!("{:.2} ms", us / 1e3));
+        let in_use = row.cost_us.filter(|_| row.cost_per != "build");
+        let cost = in_use.map_or("–".into(), |us| format!("{us:.2} µs"));
+        let per = in_use.map_or(String::new(), |_| format!("/ {}", row.cost_per));
         print(format_args!(
-            "{:<22} {state:<9} {memory:>10} {cost:>14}  {per:<9} {}",
+            "{:<22} {state:<9} {memory:>10} {built_in:>12} {cost:>14}  {per:<8} {}",
             row.item, row.reason
         ));
     }
@@ -112,56 +108,4 @@ pub fn run(args: &SceneArgs, json: bool) -> Result<Outcome, CliError> {
         bytes_text(printed.total_bytes)
     ));
     Ok(Outcome::Done)
-}
-
-/// Presses and slides for four seconds of simulated time and notes the mean cost of a frame; returns that of a tick, µs.
-fn measure(scene: &Scene, purpose: Use, ledger: &mut Ledger) -> f64 {
-    const DT_S: f64 = 0.001;
-    const TICKS: usize = 4000;
-    const TICKS_PER_FRAME: usize = 16;
-    /// Frames of a very large mesh are slow: enough is measured by then.
-    const MEASURED_FOR: Duration = Duration::from_secs(1);
-    let script = Script::Slide.trajectory(default_place(scene), 5.0, |x, y| height_mm(scene, x, y));
-    let mut rig = Rig::new(
-        Box::new(scene.touch.clone()),
-        [Limits::default(); MAX_FINGERS],
-    );
-    let mut records = Vec::with_capacity(TICKS);
-    let started = Instant::now();
-    servo::run_offline(
-        &mut rig,
-        vec![Box::new(Scripted::new(script))],
-        DT_S,
-        |out| {
-            records.push(out.fingers[0].contact);
-            records.len() < TICKS
-        },
-    );
-    let tick_us = started.elapsed().as_secs_f64() * 1.0e6 / TICKS as f64;
-    if scene.touch.published.is_none() {
-        ledger.cost(Item::Search, tick_us, "tick");
-    }
-    if !(purpose.drawn || purpose.deformed) {
-        return tick_us;
-    }
-    let mut model = Fsmd::new(scene.deform.clone());
-    model.prepare(&scene.surface);
-    let mut skin = Displacement::at_rest(&scene.surface);
-    let started = Instant::now();
-    let mut n_frames = 0_u32;
-    for contact in records.iter().step_by(TICKS_PER_FRAME) {
-        let press = scene.press(contact);
-        model.update(&scene.surface, press.as_slice(), &mut skin);
-        n_frames += 1;
-        if started.elapsed() > MEASURED_FOR {
-            break;
-        }
-    }
-    let frame_us = started.elapsed().as_secs_f64() * 1.0e6 / f64::from(n_frames.max(1));
-    ledger.built(Item::Deformation, skin.bytes() + model.bytes());
-    ledger.cost(Item::Deformation, frame_us, "frame");
-    if scene.deform.tangential {
-        ledger.built(Item::TangentialField, 0);
-    }
-    tick_us
 }

@@ -176,7 +176,21 @@ impl Patches {
             let one_part = parts.iter().any(|part| theirs & !part == 0);
             patches.beside[i].halo_and_part |= u32::from(one_part);
         }
+        patches.trim();
         patches
+    }
+
+    /// Gives back what the lists took to grow: they stay as they are from here on.
+    fn trim(&mut self) {
+        self.positions.shrink_to_fit();
+        self.heads.shrink_to_fit();
+        self.parts.shrink_to_fit();
+        self.beside.shrink_to_fit();
+        self.halos.shrink_to_fit();
+        self.halo_adjacency.shrink_to_fit();
+        self.adjacency.shrink_to_fit();
+        self.rings.shrink_to_fit();
+        self.longer.shrink_to_fit();
     }
 
     /// Whether these are the patches of `surface`.

@@ -33,13 +33,13 @@ pub(super) struct Shading {
 impl Shading {
     /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
-        self.marks.bytes() + size_of_val(&self.corrections[..])
+        self.marks.bytes() + size_of::<Block>() * self.corrections.capacity()
     }
 
     /// Builds what is kept about a surface.
     pub fn prepare(&mut self, surface: &Surface, patches: &Patches) {
         let at_rest = vec![Block::ZERO; patches.len()];
-        self.corrections.clear();
+        self.corrections = Vec::with_capacity(patches.len());
         for p in 0..patches.len() as u32 {
             self.nearby.gather(patches, p, &at_rest);
             let patch = patches.patch(p);

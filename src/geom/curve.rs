@@ -45,10 +45,12 @@ impl Lookup {
 /// A falloff M(q): its value at q = 0 is the share of the finger's displacement at the centre, at q = 1 that at the rim.
 ///
 /// Outside, q ≥ 1, it is 0 by definition (Ji 2008, eq. 4.14), and so it is for a ratio that is not a number.
+///
+/// Cheap to clone: the arrays are shared.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
     name: String,
-    samples: Vec<f64>,
+    samples: Arc<[f64]>,
     lookup: Lookup,
     steps: f64,
     table: Table,
@@ -244,7 +246,7 @@ impl Curve {
         };
         Self {
             name,
-            samples,
+            samples: samples.into(),
             lookup,
             steps,
             table,

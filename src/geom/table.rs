@@ -1,15 +1,17 @@
 //! A falloff array laid out for many ratios at once.
 
+use std::sync::Arc;
+
 /// Added to a number below it, it leaves the nearest integer in the lowest bits.
 const INTEGERS: f64 = 4_503_599_627_370_496.0;
 
 /// Value and slope of each step of a falloff, and nothing beyond the last.
 ///
-/// Two ratios are worked on at a time without a branch, on every machine with the same result.
+/// Two ratios are worked on at a time without a branch, on every machine with the same result. Cheap to clone.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Table {
     /// The last one is for all that lies outside.
-    entries: Vec<[f64; 2]>,
+    entries: Arc<[[f64; 2]]>,
     steps: f64,
     /// What is added before the fraction is dropped.
     shift: f64,
@@ -31,7 +33,7 @@ impl Table {
     fn new(mut entries: Vec<[f64; 2]>, n_samples: usize, shift: f64) -> Self {
         entries.push([0.0; 2]);
         Self {
-            entries,
+            entries: entries.into(),
             steps: (n_samples - 1) as f64,
             shift,
         }

@@ -14,6 +14,7 @@ pub mod error;
 pub mod html;
 pub mod partition;
 mod program;
+pub mod pruning;
 mod report;
 mod shelf;
 pub mod stability;
@@ -49,6 +50,7 @@ pub fn all() -> &'static [&'static dyn Experiment] {
         &deform::Yardsticks,
         &error::ErrorVsTime,
         &error::ErrorOverSession,
+        &pruning::Parts,
     ]
 }
 

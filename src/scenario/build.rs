@@ -3,7 +3,7 @@
 use super::needs::{Item, Needs};
 use super::{Ledger, Scenario, ScenarioError, SurfaceChoice, Use};
 use crate::contact::published::Published;
-use crate::contact::{Contact, ForceModel, Shading, Stiffness, TouchScene};
+use crate::contact::{Contact, Shading, Stiffness, TouchScene};
 use crate::deform::Press;
 use crate::deform::bones::Bones;
 use crate::deform::models::fsmd;
@@ -131,19 +131,11 @@ pub fn build(
     let (map, stiffness) = stiffness(&scenario, &needs, &surface, &mut ledger)?;
     step("Spreading the ellipse map", 0.9)?;
     let (ellipse, ellipse_field) = ellipses(&scenario, &needs, &surface, &mut ledger)?;
-    if needs.has(Item::Friction) {
-        ledger.built(Item::Friction, size_of::<crate::contact::Friction>());
-    }
-
     let shading = needs.has(Item::ForceShading).then(|| Shading::of(&surface));
-    if shading.is_some() {
-        ledger.built(Item::ForceShading, size_of::<Shading>());
-    }
-    if needs.has(Item::FingerPad) {
-        ledger.built(Item::FingerPad, size_of::<f64>());
-    }
-    if needs.has(Item::ForceModel) {
-        ledger.built(Item::ForceModel, size_of::<ForceModel>());
+    for item in IN_THE_SCENE {
+        if needs.has(item) {
+            ledger.built(item, 0);
+        }
     }
 
     step("Ready", 1.0)?;
@@ -169,6 +161,14 @@ pub fn build(
         ledger,
     })
 }
+
+/// Parts that are a few numbers in the scene, which has room for them whether they are wanted or not.
+const IN_THE_SCENE: [Item; 4] = [
+    Item::Friction,
+    Item::ForceModel,
+    Item::FingerPad,
+    Item::ForceShading,
+];
 
 /// Parts that an edit of the maps leaves as they are.
 const KEPT: [Item; 7] = [

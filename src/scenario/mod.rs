@@ -11,6 +11,7 @@ mod feel;
 mod file;
 mod library;
 mod maps;
+mod measure;
 mod needs;
 
 pub use build::{BuildError, Scene, build, rebuild};

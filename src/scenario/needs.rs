@@ -9,6 +9,8 @@ use crate::maps::Fit;
 pub struct Use {
     /// Fingers that palpate.
     pub fingers: usize,
+    /// A servo thread runs.
+    pub live: bool,
     /// A Back view is open: graphics mesh and deformation are drawn.
     pub drawn: bool,
     /// Deformation is computed though nothing is drawn (pictures, exports).
@@ -66,13 +68,15 @@ pub enum Item {
     StiffnessEditor,
     /// Plot history.
     PlotHistory,
+    /// The ring that takes every tick out of the servo.
+    Ring,
     /// The recorder's writer.
     Recorder,
 }
 
 impl Item {
     /// Every part, in the order of the ledger.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::Surface,
         Self::Search,
         Self::StiffnessField,
@@ -91,6 +95,7 @@ impl Item {
         Self::EllipseEditor,
         Self::StiffnessEditor,
         Self::PlotHistory,
+        Self::Ring,
         Self::Recorder,
     ];
 
@@ -115,6 +120,7 @@ impl Item {
             Self::EllipseEditor => "Ellipse map editor",
             Self::StiffnessEditor => "Stiffness map editor",
             Self::PlotHistory => "Plot history",
+            Self::Ring => "Ring of ticks",
             Self::Recorder => "Recorder",
         }
     }
@@ -221,6 +227,11 @@ impl Item {
                 "the panel is closed",
             ),
             Self::PlotHistory => choose(purpose.plotted, "plots", "no plot is open"),
+            Self::Ring => choose(
+                purpose.live,
+                "servo: recorder and plots may start at any time",
+                "no servo runs",
+            ),
             Self::Recorder => choose(purpose.recorded, "recording", "nothing is recorded"),
         }
     }
@@ -270,8 +281,10 @@ pub struct LedgerRow {
     pub reason: String,
     /// Whether it was built.
     pub built: bool,
-    /// Bytes it holds.
+    /// Bytes it holds on the heap; 0 for what is a number or two in the scene itself, there or not.
     pub bytes: usize,
+    /// How long building it took, µs; `None` for what is not built or takes no time worth the name.
+    pub build_us: Option<f64>,
     /// Measured cost, µs, with what it is paid per; `None` for what has not been measured or costs nothing.
     pub cost_us: Option<f64>,
     /// "tick", "frame", "build"; empty when there is no cost.
@@ -303,6 +316,7 @@ impl Ledger {
                 reason,
                 built: false,
                 bytes: 0,
+                build_us: None,
                 cost_us: None,
                 cost_per: "",
             }
@@ -321,19 +335,20 @@ impl Ledger {
     /// Takes over what `item` holds and cost where it was built before.
     pub(super) fn carry(&mut self, item: Item, from: &Self) {
         let row = &mut self.rows[item as usize];
-        let LedgerRow {
-            built,
-            bytes,
-            cost_us,
-            cost_per,
-            ..
-        } = *from.row(item);
-        (row.built, row.bytes, row.cost_us, row.cost_per) = (built, bytes, cost_us, cost_per);
+        let reason = std::mem::take(&mut row.reason);
+        *row = LedgerRow {
+            reason,
+            ..from.row(item).clone()
+        };
     }
 
-    /// Notes what `item` costs, µs, per "tick", "frame" or "build".
+    /// Notes what `item` costs, µs, per "tick", "frame" or "build"; what building it took stays noted beside what it costs
+    /// in use.
     pub fn cost(&mut self, item: Item, cost_us: f64, per: &'static str) {
         let row = &mut self.rows[item as usize];
+        if per == "build" {
+            row.build_us = Some(cost_us);
+        }
         (row.cost_us, row.cost_per) = (Some(cost_us), per);
     }
 

@@ -100,6 +100,11 @@ impl Default for ServoConfig {
 }
 
 impl ServoConfig {
+    /// Memory of the ring, bytes.
+    pub fn ring_bytes(&self) -> usize {
+        self.ring_records.max(MAX_FINGERS) * size_of::<FingerRecord>()
+    }
+
     /// Nominal time step, s.
     pub fn dt_s(&self) -> f64 {
         1.0 / if self.rate_hz.is_finite() {

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 /// The ring is emptied this often. It holds seconds of ticks; this is short so that plots are fluid.
 const PERIOD: Duration = Duration::from_millis(8);
 /// Records handed on at once.
-const BATCH: usize = 4096;
+const BATCH: usize = 1024;
 /// Orders that wait while the disk is slow.
 const ORDERS: usize = 16;
 /// Edits that wait while the disk is slow.
@@ -58,6 +58,8 @@ pub struct RecorderStatus {
     pub seconds: f64,
     /// Records that were lost because the ring was full.
     pub lost: u64,
+    /// Memory that the recording holds, bytes; 0 while nothing is recorded.
+    pub held_bytes: usize,
 }
 
 enum Order {
@@ -90,6 +92,9 @@ pub struct RecorderThread {
 }
 
 impl RecorderThread {
+    /// Memory that the thread holds for what it takes from the ring at a time, bytes, whether it records or not.
+    pub const BYTES: usize = BATCH * size_of::<FingerRecord>();
+
     /// Starts the thread on the servo's ring.
     ///
     /// # Errors
@@ -175,6 +180,7 @@ impl RecorderThread {
         self.write(|w| w.tend(Instant::now()));
         if let Some(writer) = &self.writer {
             report(&self.status, &writer.summary());
+            locked(&self.status).held_bytes = writer.held_bytes();
         }
     }
 
@@ -203,7 +209,9 @@ impl RecorderThread {
         };
         if let Err(e) = act(writer) {
             self.writer = None;
-            locked(&self.status).state = RecorderState::Failed {
+            let mut status = locked(&self.status);
+            status.held_bytes = 0;
+            status.state = RecorderState::Failed {
                 reason: e.to_string(),
             };
         }
@@ -245,6 +253,7 @@ impl RecorderThread {
             return Err(SessionError::Recorder(reason));
         };
         let outcome = writer.finish();
+        locked(&self.status).held_bytes = 0;
         match &outcome {
             Ok(summary) => {
                 report(&self.status, summary);

@@ -94,11 +94,19 @@ struct Sink<S> {
     store: Arc<S>,
     buffer: Vec<u8>,
     appended: Arc<AtomicU64>,
+    /// Bytes held here, and by the largest chunk that came.
+    held: Arc<AtomicU64>,
+    largest: usize,
 }
 
 impl<S: Store> Write for Sink<S> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.buffer.extend_from_slice(bytes);
+        self.largest = self.largest.max(bytes.len());
+        // A chunk comes whole, from a list that begins with room for one and grows by doubling.
+        let chunk = (self.largest.next_power_of_two() as u64).max(CHUNK_BYTES);
+        let held = self.buffer.capacity() as u64 + chunk;
+        self.held.store(held, Ordering::Relaxed);
         if self.buffer.len() as u64 > 2 * CHUNK_BYTES {
             self.flush()?;
         }
@@ -134,6 +142,7 @@ pub struct SessionWriter<S: Store = File> {
     mcap: Option<Writer<Sink<S>>>,
     store: Arc<S>,
     appended: Arc<AtomicU64>,
+    held: Arc<AtomicU64>,
     path: PathBuf,
     failure: Option<String>,
     n_fingers: usize,
@@ -187,10 +196,13 @@ impl<S: Store> SessionWriter<S> {
         let started_ns = header.started_ns()?;
         let store = Arc::new(store);
         let appended = Arc::new(AtomicU64::new(0));
+        let held = Arc::new(AtomicU64::new(0));
         let sink = Sink {
             store: Arc::clone(&store),
             buffer: Vec::new(),
             appended: Arc::clone(&appended),
+            held: Arc::clone(&held),
+            largest: 0,
         };
         let mcap = begin(sink, header, metadata, started_ns).map_err(|e| failed(path, e))?;
         let now = Instant::now();
@@ -198,6 +210,7 @@ impl<S: Store> SessionWriter<S> {
             mcap: Some(mcap),
             store,
             appended,
+            held,
             path: path.to_owned(),
             failure: None,
             n_fingers: header.n_fingers(),
@@ -392,6 +405,12 @@ impl<S: Store> SessionWriter<S> {
             events: self.events,
             edits: self.edits,
         }
+    }
+
+    /// Memory held, bytes, as far as it can be seen from outside the file format's own writer: the chunk that is gathered, and
+    /// what waits for the system.
+    pub fn held_bytes(&self) -> usize {
+        self.held.load(Ordering::Relaxed) as usize + self.message.capacity()
     }
 
     /// Completes the file with its summary and has the disk keep it.

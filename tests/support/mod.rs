@@ -32,6 +32,7 @@ pub fn scene() -> Arc<Scene> {
             let scenario = Scenario::parse(example.text, example.file, None).unwrap();
             let purpose = Use {
                 fingers: 2,
+                live: true,
                 drawn: true,
                 deformed: true,
                 recorded: true,
@@ -128,6 +129,7 @@ pub fn running() -> View {
             time_s: 12.3,
             bytes: 1_234_567,
             lost: 0,
+            held_bytes: 600_000,
             recent: recent(),
             folder: PathBuf::from("/tmp"),
         },

@@ -224,6 +224,11 @@ impl Live {
         self.limits
     }
 
+    /// Memory of the ring and of what drains it, bytes.
+    pub fn ring_bytes(&self) -> usize {
+        self.config.ring_bytes() + RecorderThread::BYTES
+    }
+
     /// Ticks per second.
     pub fn rate_hz(&self) -> f64 {
         1.0 / self.config.dt_s()

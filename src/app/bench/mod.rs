@@ -41,6 +41,7 @@ const DEFECTS_TOLD: usize = 5;
 /// What scenes are built for here.
 const PURPOSE: Use = Use {
     fingers: FINGERS,
+    live: true,
     drawn: true,
     deformed: true,
     recorded: true,
@@ -539,6 +540,7 @@ impl Bench {
                 view.history = live.history().clone();
                 view.hands = live.hands().to_vec();
                 view.devices = live.names().to_vec();
+                view.ring_bytes = live.ring_bytes();
             }
             None => {
                 view.live = Snapshot::default();
@@ -546,6 +548,7 @@ impl Bench {
                 view.history = self.no_history.clone();
                 view.hands.clear();
                 view.devices.clear();
+                view.ring_bytes = 0;
             }
         }
         view.playback = self.replay.as_ref().map(Replay::status);

@@ -170,6 +170,7 @@ impl Recordings {
             time_s: recorder.seconds,
             bytes: recorder.bytes,
             lost: recorder.lost,
+            held_bytes: recorder.held_bytes,
             recent: self.recent.clone(),
             folder: self.folder.clone(),
         }

@@ -176,7 +176,10 @@ fn ledger_now(scene: &Scene, view: &View) -> Ledger {
         now.built(Item::PlotHistory, History::bytes(&history));
     }
     if view.purpose.recorded {
-        now.built(Item::Recorder, 0);
+        now.built(Item::Recorder, view.recorder.held_bytes);
+    }
+    if view.purpose.live {
+        now.built(Item::Ring, view.ring_bytes);
     }
     now
 }

@@ -69,6 +69,7 @@ impl Shared {
         view.study = chrome.study.clone();
         view.purpose = Use {
             fingers: view.hands.len(),
+            live: view.ring_bytes > 0,
             drawn: chrome.drawn,
             deformed: chrome.drawn,
             recorded: view.recorder.recording.is_some(),

@@ -69,9 +69,10 @@ impl StiffnessMap {
             }
         }
         let samples = one_per_place(&keys)?;
-        let field = fit.through(&samples)?;
         let k = samples[0].value;
         let same = samples.iter().all(|s| s.value == k);
+        // One value needs no net of places to be found in.
+        let field = if same { Fit::Constant } else { fit }.through(&samples)?;
         let uniform = match fit {
             _ if same => Some(k),
             Fit::Constant => Some(field.reader().at(Vec2::ZERO)),

@@ -77,6 +77,8 @@ impl Fsmd {
     /// Memory held beside the displacement, bytes.
     pub fn bytes(&self) -> usize {
         self.patches.bytes()
+            + size_of::<Field>() * self.fields.capacity()
+            + size_of::<RingSearch>() * self.searches.capacity()
             + self.searches.iter().map(RingSearch::bytes).sum::<usize>()
             + 4 * (self.affected.capacity() + self.affected_in.capacity())
             + self.shading.bytes()
