@@ -90,6 +90,11 @@ pub trait Model: Send {
     /// Name in files, tables and the command line.
     fn name(&self) -> &'static str;
 
+    /// Memory held beside the displacement, bytes; 0 for a model that does not tell.
+    fn bytes(&self) -> usize {
+        0
+    }
+
     /// Builds what the model keeps about a surface, so that the first update on it is as fast as the others. Optional.
     fn prepare(&mut self, _surface: &Surface) {}
 

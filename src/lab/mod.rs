@@ -51,6 +51,7 @@ pub fn all() -> &'static [&'static dyn Experiment] {
         &error::ErrorVsTime,
         &error::ErrorOverSession,
         &pruning::Parts,
+        &pruning::Live,
     ]
 }
 

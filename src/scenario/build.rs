@@ -1,6 +1,6 @@
 //! From a scenario to the things it needs, and nothing else.
 
-use super::needs::{Item, Needs};
+use super::needs::{Item, Needs, Verdict};
 use super::{Ledger, Scenario, ScenarioError, SurfaceChoice, Use};
 use crate::contact::published::Published;
 use crate::contact::{Contact, Shading, Stiffness, TouchScene};
@@ -55,6 +55,20 @@ impl Scene {
         Some(match (&self.ellipse, &self.ellipse_field) {
             (Some(map), Some(field)) => press.on_map(&self.surface, map, field),
             _ => press,
+        })
+    }
+}
+
+/// Parts of a scene that come and go with what it is used for.
+const BY_PURPOSE: [Item; 2] = [Item::EllipseField, Item::Bones];
+
+impl Scene {
+    /// Whether it has what `purpose` needs and nothing that it does not; else [`rebuild`] brings it there, and what is felt
+    /// stays the same.
+    pub fn fits(&self, purpose: Use) -> bool {
+        BY_PURPOSE.iter().all(|&item| {
+            let needed = matches!(item.verdict(&self.scenario, purpose), Verdict::Needed(_));
+            self.ledger.row(item).built == needed
         })
     }
 }

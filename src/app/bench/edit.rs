@@ -6,10 +6,10 @@
 
 use super::job::Job;
 use super::live::Live;
-use super::{Bench, PURPOSE, Wake};
+use super::{Bench, Wake};
 use crate::app::messages::Level;
 use crate::app::state::BuildStatus;
-use crate::scenario::{self, BuildError, Scenario, Scene};
+use crate::scenario::{self, BuildError, Scenario, Scene, Use};
 use std::sync::Arc;
 
 /// Number of an edit and the scenario as edited.
@@ -68,16 +68,18 @@ impl Edits {
         };
     }
 
-    /// Starts to build the newest one, unless one is being built.
-    fn start(&mut self, open: &Arc<Scene>, wake: &Wake) -> std::io::Result<()> {
+    /// Starts to build the newest one, unless one is being built; without one, what the scene is newly used for.
+    fn start(&mut self, open: &Arc<Scene>, purpose: Use, wake: &Wake) -> std::io::Result<()> {
         if self.build.is_some() {
             return Ok(());
         }
-        let Some(source) = self.wanted.take() else {
-            return Ok(());
+        let source = match self.wanted.take() {
+            Some(source) => source,
+            None if open.fits(purpose) => return Ok(()),
+            None => open.scenario.source.clone(),
         };
         let old = Arc::clone(open);
-        let work = move |_: super::job::Progress<'_>| edited(&old, &source);
+        let work = move |_: super::job::Progress<'_>| edited(&old, &source, purpose);
         let job = Job::start("scene editor", BuildStatus::default(), wake.clone(), work)?;
         self.build = Some(job);
         Ok(())
@@ -112,10 +114,10 @@ impl Edits {
 ///
 /// # Errors
 /// What is wrong with the text, with its line, or what cannot be edited under the finger.
-pub fn edited(old: &Scene, source: &str) -> Result<Scene, BuildError> {
+pub fn edited(old: &Scene, source: &str, purpose: Use) -> Result<Scene, BuildError> {
     let folder = old.scenario.folder.as_deref();
     let scenario = Scenario::parse(source, "edited scenario", folder)?;
-    scenario::rebuild(old, Arc::new(scenario), PURPOSE)
+    scenario::rebuild(old, Arc::new(scenario), purpose)
 }
 
 impl Bench {
@@ -136,9 +138,18 @@ impl Bench {
         }
     }
 
-    fn start_edit(&mut self) {
+    /// Whether a Back view is open: without, nothing of the scene is kept for it. What is felt is not concerned.
+    pub fn set_drawn(&mut self, on: bool) {
+        if std::mem::replace(&mut self.drawn, on) != on {
+            self.start_edit();
+        }
+    }
+
+    /// Builds what was asked for since, if anything was.
+    pub(super) fn start_edit(&mut self) {
+        let purpose = self.purpose();
         if let Some(scene) = &self.scene
-            && let Err(e) = self.edits.start(scene, &self.wake)
+            && let Err(e) = self.edits.start(scene, purpose, &self.wake)
         {
             self.tell(Level::Error, format!("the edit cannot be built: {e}"));
         }
@@ -149,10 +160,14 @@ impl Bench {
         let lost = || Err(BuildError("the editor stopped unexpectedly".into()));
         let built = self.edits.build.as_ref().and_then(|job| job.poll(lost));
         let changed = built.is_some();
+        let built_well = matches!(built, Some(Ok(_)));
         match built {
             Some(Ok(scene)) => {
                 let scene = Arc::new(scene);
-                self.edits.ready = Some(Arc::clone(&scene));
+                let text = |s: &Scene| s.scenario.source.clone();
+                if self.scene.as_deref().map(text) != Some(text(&scene)) {
+                    self.edits.ready = Some(Arc::clone(&scene));
+                }
                 self.edits.applied += 1;
                 self.edits.fault.clear();
                 self.scene = Some(scene);
@@ -165,7 +180,10 @@ impl Bench {
         }
         if changed {
             self.edits.build = None;
-            self.start_edit();
+            // What could not be built once will not be the second time.
+            if built_well || self.edits.wanted.is_some() {
+                self.start_edit();
+            }
         }
         if let Some(live) = &mut self.live {
             self.edits.hand_over(live);

@@ -38,7 +38,7 @@ const STILL_MM: f64 = 1e-3;
 /// Defects of a mesh that are told one by one.
 const DEFECTS_TOLD: usize = 5;
 
-/// What scenes are built for here.
+/// What scenes are built for while a Back view is open.
 const PURPOSE: Use = Use {
     fingers: FINGERS,
     live: true,
@@ -84,6 +84,8 @@ pub struct Bench {
     last_poll: Instant,
     demo: Option<Demo>,
     force_enabled: bool,
+    /// Whether a Back view is open.
+    drawn: bool,
     /// Messages told and scene when last looked at, to know whether there is anything new.
     shown: (u64, u64),
     /// Health, late ticks and lost records when last looked at, and when that was.
@@ -114,6 +116,7 @@ impl Bench {
             last_poll: Instant::now(),
             demo: None,
             force_enabled: true,
+            drawn: true,
             shown: (0, 0),
             counts: Default::default(),
             counted: Instant::now(),
@@ -137,9 +140,18 @@ impl Bench {
             Source::File(path) => Some(path.clone()),
             Source::Example(_) | Source::Text { .. } => None,
         };
-        match builder::build(source, PURPOSE, self.wake.clone()) {
+        match builder::build(source, self.purpose(), self.wake.clone()) {
             Ok(build) => (self.build, self.building_from) = (Some(build), path),
             Err(e) => self.tell(Level::Error, format!("the builder cannot start: {e}")),
+        }
+    }
+
+    /// What scenes are built for now.
+    fn purpose(&self) -> Use {
+        Use {
+            drawn: self.drawn,
+            deformed: self.drawn,
+            ..PURPOSE
         }
     }
 
@@ -293,6 +305,8 @@ impl Bench {
         self.edits.begin(&scene);
         self.scene = Some(scene);
         self.generation += 1;
+        // A view may have opened or closed while it was built.
+        self.start_edit();
     }
 
     fn poll_live(&mut self) -> bool {

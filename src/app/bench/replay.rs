@@ -78,7 +78,11 @@ fn read(
     }
     let header = &recording.header;
     let scene = match open.filter(|s| s.scenario.source == header.scenario_toml) {
-        Some(scene) => Some(scene),
+        Some(scene) if scene.fits(purpose) => Some(scene),
+        Some(scene) => {
+            let drawn = scenario::rebuild(&scene, scene.scenario.clone(), purpose);
+            Some(Arc::new(drawn.map_err(|e| e.to_string())?))
+        }
         None => match rebuild(path, &header.scenario_toml, purpose, progress) {
             Ok(scene) => Some(Arc::new(scene)),
             Err(e) => {
@@ -205,7 +209,7 @@ impl Replay {
         let old = Arc::clone(scene);
         let work = move |_: super::job::Progress<'_>| {
             let source = source.ok_or("the file does not hold what was edited")?;
-            edited(&old, &source).map_err(|e| e.to_string())
+            edited(&old, &source, super::PURPOSE).map_err(|e| e.to_string())
         };
         match Job::start("replay editor", BuildStatus::default(), wake.clone(), work) {
             Ok(job) => {

@@ -170,6 +170,7 @@ impl Workbench {
         }
         let (send, commands) = command::queue(wake.clone());
         let mut bench = Bench::new(wake, start.folder);
+        bench.set_drawn(!layout.is_closed(panels::BACK_VIEW_KEY));
         if let Some(source) = start.source {
             bench.open(source);
         }
@@ -273,10 +274,12 @@ impl eframe::App for Workbench {
         chrome.drawn = !self.layout.is_closed(panels::BACK_VIEW_KEY);
         chrome.plotted = !self.layout.is_closed(panels::PLOTS_KEY);
         chrome.partitioned = !self.layout.is_closed(panels::partition::KEY);
-        let plotted = chrome.plotted;
+        let (drawn, plotted) = (chrome.drawn, chrome.plotted);
         chrome.windows = self.layout.popped().map(windows::viewport_id).collect();
         drop(chrome);
-        self.shared.bench().set_plotted(plotted);
+        let mut bench = self.shared.bench();
+        bench.set_plotted(plotted);
+        bench.set_drawn(drawn);
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {

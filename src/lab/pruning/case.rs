@@ -1,16 +1,17 @@
 //! One scene, used in one way, as it is counted in a process of its own: nothing else runs there.
 
 use super::heap::{Heap, calls, grown};
+use super::slider::Slider;
 use crate::contact::{Contact, Friction, Stiffness, Touch, TouchScene};
 use crate::deform::models::fsmd::Fsmd;
 use crate::deform::{Displacement, Model as _};
-use crate::device::Reading;
 use crate::device::scripted::Script;
+use crate::device::{Device, Reading};
 use crate::geom::Vec3;
 use crate::lab::Samples;
 use crate::partition::bvh::Bvh;
 use crate::scenario::{self, Item, LedgerRow, Scenario, Scene, Use};
-use crate::servo::{FingerRecord, Limits, MAX_FINGERS, Rig, TickInput, tick};
+use crate::servo::{self, FingerRecord, Limits, MAX_FINGERS, Rig, ServoConfig, TickInput, tick};
 use crate::session::writer::{IfExists, SessionWriter};
 use crate::session::{self, DeviceInfo, Header, MeshSource};
 use crate::surface::{RawMesh, Surface};
@@ -18,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use std::hint::black_box;
 use std::ops::Range;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Ticks of the press: four seconds at 1 kHz.
 const TICKS: usize = 4000;
@@ -31,6 +32,9 @@ const TICKS_PER_FRAME: usize = 16;
 const TIMED: usize = 100;
 /// The recorder hands on what it has four times a second: so many records of one finger.
 const RECORDS_PER_CHUNK: u64 = 250;
+/// Scenes handed to a running servo, and the time between two.
+const EDITS: u32 = 5;
+const SETTLED: Duration = Duration::from_millis(100);
 /// How deep the finger presses, mm.
 const DEPTH_MM: f64 = 5.0;
 /// How far above the skin a finger is that touches nothing, mm.
@@ -45,6 +49,8 @@ pub enum Of {
     Frame,
     /// Records written to a session.
     Record,
+    /// A servo thread that takes edits and another scene: its heap only.
+    Servo,
 }
 
 impl Of {
@@ -54,6 +60,7 @@ impl Of {
             Self::Tick => "tick",
             Self::Frame => "frame",
             Self::Record => "record",
+            Self::Servo => "servo",
         }
     }
 }
@@ -189,6 +196,7 @@ impl Case {
             Of::Tick => self.ticks(&scene, &mut counts, mark),
             Of::Frame => self.frames(&scene, &mut counts, mark),
             Of::Record => self.records(&scene, &mut counts, mark)?,
+            Of::Servo => servo_thread(&scene, &mut counts).map_err(|e| e.to_string())?,
         }
         Ok(counts)
     }
@@ -392,6 +400,48 @@ fn felt(touch: &TouchScene, inputs: &[TickInput]) -> Vec<FingerRecord> {
 fn touching(records: &[FingerRecord]) -> f64 {
     let touching = records.iter().filter(|r| r.contact.touch != Touch::Free);
     touching.count() as f64 / records.len() as f64
+}
+
+/// Runs a servo that is handed edits and a scene: what it asks of the heap meanwhile, and what is left when it has gone.
+fn servo_thread(scene: &Scene, counts: &mut Counts) -> std::io::Result<()> {
+    // What a thread needs once in a program's life is there after the first one.
+    for _ in 0..2 {
+        let before = Heap::now();
+        let device: Box<dyn Device> = Box::new(Slider::over(scene));
+        let (servo, mut lines) =
+            servo::start(ServoConfig::default(), rig(&scene.touch), vec![device])?;
+        let mut boxes: Vec<Box<TouchScene>> = Vec::new();
+        for i in 1..=EDITS {
+            let share = 1.0 - 0.05 * f64::from(i);
+            let stiffness = match &scene.touch.stiffness {
+                Stiffness::Uniform(k) => Stiffness::Uniform(k * share),
+                Stiffness::PerVertex(values) => {
+                    Stiffness::PerVertex(values.iter().map(|k| k * share).collect())
+                }
+            };
+            boxes.push(Box::new(TouchScene {
+                stiffness,
+                ..scene.touch.clone()
+            }));
+        }
+        std::thread::sleep(SETTLED);
+        let quiet = Heap::now();
+        for number in 1..=EDITS {
+            let Some(scene) = boxes.pop() else { break };
+            let command = if number == EDITS {
+                servo::Command::SetScene(scene)
+            } else {
+                servo::Command::EditScene { number, scene }
+            };
+            // Room for 64; one that came back would be freed here and be counted.
+            let _ = lines.commands.push(command);
+            std::thread::sleep(SETTLED);
+        }
+        counts.use_calls = calls(quiet, Heap::now());
+        drop((boxes, servo, lines));
+        counts.used = grown(before, Heap::now());
+    }
+    Ok(())
 }
 
 /// Surface and search structure are in every scene: they are built once more and counted by themselves.

@@ -5,11 +5,14 @@
 
 mod case;
 mod heap;
+mod live;
 mod parts;
 pub mod scenes;
+mod slider;
 mod steps;
 
 pub use case::{Case, Counts, Finger, Of};
 pub use heap::{Heap, calls, grown};
+pub use live::Live;
 pub use parts::Parts;
 pub use steps::{Counted, SUBCOMMAND, Uncounted, count, counted_by, serve};

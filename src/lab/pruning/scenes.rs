@@ -43,6 +43,14 @@ const ELLIPSES: &str = "[ellipse]\nbasic_radius_mm = 140\nkey = [\n\
     { name = \"A\", x = 0, y = 250, half_major_mm = 150, half_minor_mm = 60, angle_deg = 90 },\n\
     { name = \"B\", x = 60, y = 250, half_major_mm = 120, half_minor_mm = 80, angle_deg = 60 },\n]\n";
 
+/// A scene to be edited, with everything that edits may change.
+pub const EDITED: Tables = Tables(
+    VARIED,
+    "[friction]\nstatic = 0.46\ndynamic = 0.44\n[bones]\nbuiltin = \"back\"\n[ellipse]\nbasic_radius_mm = 140\nkey = [\n\
+     { name = \"A\", x = 0, y = 250, half_major_mm = 150, half_minor_mm = 60, angle_deg = 90 },\n]\n",
+);
+/// Another one.
+pub const OTHER: Tables = Tables(UNIFORM, "[force]\nmodel = \"nonlinear\"\n");
 /// Nothing that can be done without.
 pub const PLAIN: Tables = Tables(UNIFORM, "");
 

@@ -129,7 +129,7 @@ impl DrawnSkin {
     pub fn report(&self, parts: &Parts, stage: &SharedStage) {
         let per_frame = self.update_us.map(|us| (us, "frame"));
         let deformation = PartCost {
-            bytes: self.displacement.bytes(),
+            bytes: self.displacement.bytes() + self.model.bytes(),
             cost_us: per_frame,
         };
         parts.report(Item::Deformation, deformation);

@@ -275,6 +275,10 @@ impl Model for Fsmd {
         "fsmd"
     }
 
+    fn bytes(&self) -> usize {
+        self.bytes()
+    }
+
     fn prepare(&mut self, surface: &Surface) {
         if !self.patches.are_of(surface) {
             self.patches = Arc::new(Patches::new(surface));
