@@ -291,7 +291,7 @@ impl<'a> Counter<'a> {
         let (windows, most_steps) = if self.setup.quick {
             (1, 6_000)
         } else {
-            (16, 250_000)
+            (16, 600_000)
         };
         Case {
             scenario: tables.on_back(self.triangles),
