@@ -271,7 +271,7 @@ impl Case {
             };
             next += 1;
             let mut outcome = writer.write(&record);
-            if next % RECORDS_PER_CHUNK == 0 {
+            if next.is_multiple_of(RECORDS_PER_CHUNK) {
                 outcome = outcome.and_then(|()| writer.flush());
             }
             if let Err(e) = outcome {

@@ -198,7 +198,7 @@ mod traced {
                     if let Some(steps) = &mut inside {
                         *steps += 1;
                         steps_left -= 1;
-                        if steps_left % ASKED == 0 && !go_on() {
+                        if steps_left.is_multiple_of(ASKED) && !go_on() {
                             return Err(Uncounted::Stopped);
                         }
                     }

@@ -69,12 +69,12 @@ impl StiffnessMap {
             }
         }
         let samples = one_per_place(&keys)?;
-        let k = samples[0].value;
-        let same = samples.iter().all(|s| s.value == k);
+        let first = samples.first().map(|s| s.value);
+        let same = first.is_some() && samples.iter().all(|s| Some(s.value) == first);
         // One value needs no net of places to be found in.
         let field = if same { Fit::Constant } else { fit }.through(&samples)?;
         let uniform = match fit {
-            _ if same => Some(k),
+            _ if same => first,
             Fit::Constant => Some(field.reader().at(Vec2::ZERO)),
             _ => None,
         };
