@@ -156,3 +156,26 @@ fn a_second_run_shows_what_was_kept_unless_told_otherwise() {
         "{error}"
     );
 }
+
+/// Both experiments about error take a recording: its deepest press is drawn, its motion felt, and repeating it is exact.
+#[test]
+fn errors_are_measured_on_a_recorded_session() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("sessions/t5_right_press.mcap");
+    let sample = sample.to_str().expect("UTF-8");
+    let lab = |name: &str, file: &str| {
+        let arguments = [name, "--quick", "--no-cache", "--json", "--session", file];
+        dorsum(folder.path(), &arguments)
+    };
+    let over = json(&lab("error-over-session", sample));
+    let rows = &over["experiments"][0]["tables"][0]["rows"];
+    assert_eq!(rows[0][0], "the same again");
+    assert_eq!(rows[0][2].as_f64(), Some(0.0), "{rows}");
+    assert!(rows[2][2].as_f64() > Some(0.0), "{rows}");
+    let vs = json(&lab("error-vs-time", sample));
+    let settings = vs["experiments"][0]["settings"].to_string();
+    assert!(settings.contains("T5"), "{settings}");
+    let refused = lab("error-vs-time", "none.mcap");
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("none.mcap"));
+}

@@ -78,35 +78,24 @@ impl Errors {
 }
 
 impl Bench {
-    pub fn new(scene: Scene, setup: &Setup, watch: &mut Watch<'_>) -> Result<Self, LabError> {
+    /// A press of its own, or the dent of `press`: what drags along the skin is left out.
+    pub fn new(
+        scene: Scene,
+        press: Option<Press>,
+        setup: &Setup,
+        watch: &mut Watch<'_>,
+    ) -> Result<Self, LabError> {
         let surface = &*scene.surface;
-        let bounds = surface.bounds();
-        // Over the muscle beside the spine of the built-in back; some way off the middle of any other surface.
-        let place = bounds.centre().truncate() + Vec2::X * (0.08 * bounds.size().x);
-        let (over, under) = (
-            place.extend(bounds.max.z + 1.0),
-            place.extend(bounds.min.z - 1.0),
-        );
-        let hit = (scene.touch.search)
-            .sweep(surface, over, under, Sides::Front)
-            .ok_or_else(|| {
-                LabError::Input("there is no skin in the middle to press on".to_owned())
-            })?;
-        let press = Press {
-            anchor_mm: hit.point,
-            foot_mm: hit.point,
-            normal: surface.triangle(hit.triangle).normal(),
-            depth_mm: DEPTH_MM,
-            triangle: hit.triangle,
-            ..Press::default()
+        let press = match press {
+            Some(press) => Press {
+                foot_mm: press.anchor_mm,
+                ..press
+            },
+            None => in_the_middle(&scene)?,
         };
-        let press = match (&scene.ellipse, &scene.ellipse_field) {
-            (Some(map), Some(field)) => press.on_map(surface, map, field),
-            _ => press,
-        };
-        let at = surface.triangle(hit.triangle).closest_point(hit.point);
-        let corners = surface.triangles()[hit.triangle as usize];
-        let felt_n = DEPTH_MM * scene.touch.stiffness_at(corners, at.barycentric);
+        let at = (surface.triangle(press.triangle)).closest_point(press.anchor_mm);
+        let corners = surface.triangles()[press.triangle as usize];
+        let felt_n = press.depth_mm * scene.touch.stiffness_at(corners, at.barycentric);
         watch.at("a fine slab of tissue under the skin", 0.3)?;
         let tissue = Tissue::default();
         let truth = (setup.shelf).part("truth", || truth(&scene, &press, tissue, setup.quick))?;
@@ -131,8 +120,8 @@ impl Bench {
         report.set(
             "press",
             format!(
-                "{DEPTH_MM} mm deep at ({:.0}, {:.0}) mm, pressure with s = {} mm",
-                at.x, at.y, t.deviation_mm
+                "{:.1} mm deep at ({:.0}, {:.0}) mm, pressure with s = {} mm",
+                self.press.depth_mm, at.x, at.y, t.deviation_mm
             ),
         );
         let e_kpa = 1000.0 * t.material.e_n_per_mm2();
@@ -271,6 +260,30 @@ impl Bench {
             finite: (0..n).all(|v| shape.offset_mm(v).is_finite() && shape.normal(v).is_finite()),
         })
     }
+}
+
+/// Over the muscle beside the spine of the built-in back; some way off the middle of any other surface.
+fn in_the_middle(scene: &Scene) -> Result<Press, LabError> {
+    let surface = &*scene.surface;
+    let bounds = surface.bounds();
+    let place = bounds.centre().truncate() + Vec2::X * (0.08 * bounds.size().x);
+    let over = place.extend(bounds.max.z + 1.0);
+    let under = place.extend(bounds.min.z - 1.0);
+    let hit = scene.touch.search.sweep(surface, over, under, Sides::Front);
+    let why = "there is no skin in the middle to press on";
+    let hit = hit.ok_or_else(|| LabError::Input(why.to_owned()))?;
+    let press = Press {
+        anchor_mm: hit.point,
+        foot_mm: hit.point,
+        normal: surface.triangle(hit.triangle).normal(),
+        depth_mm: DEPTH_MM,
+        triangle: hit.triangle,
+        ..Press::default()
+    };
+    Ok(match (&scene.ellipse, &scene.ellipse_field) {
+        (Some(map), Some(field)) => press.on_map(surface, map, field),
+        _ => press,
+    })
 }
 
 fn patch(

@@ -152,17 +152,21 @@ pub struct Path<'a> {
 }
 
 impl<'a> Path<'a> {
-    /// A spiral over the skin about the middle.
-    pub fn new(scene: &'a Scene, quick: bool) -> Self {
-        let script = if quick { Script::Press } else { Script::Spiral };
+    /// A motion over the skin.
+    pub fn new(
+        scene: &'a Scene,
+        trajectory: Trajectory,
+        watch: &mut Watch<'_>,
+    ) -> Result<Self, LabError> {
         let mut path = Self {
             scene,
-            trajectory: trajectory(scene, script, DEPTH_MM),
-            duration_s: script.duration_s(),
+            duration_s: trajectory.duration_s(),
+            trajectory,
             truth_n: Vec::new(),
         };
-        path.truth_n = path.felt_n(&scene.touch, FINE_HZ, None).0;
-        path
+        let touch = touch(scene, Engine::Production, watch)?;
+        path.truth_n = path.felt_n(&touch, FINE_HZ, None).0;
+        Ok(path)
     }
 
     /// Runs one way and compares.
@@ -243,6 +247,12 @@ impl<'a> Path<'a> {
         }
         (felt_n, samples)
     }
+}
+
+/// What a finger does that was not recorded.
+pub fn scripted(scene: &Scene, quick: bool) -> Trajectory {
+    let script = if quick { Script::Press } else { Script::Spiral };
+    trajectory(scene, script, DEPTH_MM)
 }
 
 /// A script laid over the skin of a scene about its middle.

@@ -21,6 +21,8 @@ use bench::{Bench, Found};
 use felt::{Felt, Path, Way};
 use front::Point;
 
+use session::Run;
+
 pub use session::ErrorOverSession;
 
 /// Error against run time.
@@ -43,19 +45,27 @@ impl Experiment for ErrorVsTime {
     }
 
     fn takes(&self) -> &'static [Choice] {
-        &[Choice::Scene, Choice::Triangles]
+        &[Choice::Scene, Choice::Session, Choice::Triangles]
     }
 
     fn run(&self, setup: &Setup, watch: &mut Watch<'_>) -> Result<Report, LabError> {
         let mut report = Report::default();
-        let scenario = scenario(setup)?;
-        let scene = felt::built(scenario, &mut watch.part(0.0, 0.05))?;
-        let bench = Bench::new(scene, setup, &mut watch.part(0.05, 0.2))?;
+        let mut part = watch.part(0.0, 0.05);
+        let (scene, press, motion) = match &setup.session {
+            Some(path) => Run::read(path, setup, &mut part)?.into_press()?,
+            None => {
+                let scene = felt::built(scenario(setup)?, &mut part)?;
+                let motion = felt::scripted(&scene, setup.quick);
+                (scene, None, motion)
+            }
+        };
+        let bench = Bench::new(scene, press, setup, &mut watch.part(0.05, 0.2))?;
         bench.describe(&mut report);
         let drawn = drawn(&bench, setup, &mut watch.part(0.2, 0.8))?;
         tell_drawn(&bench, &drawn, &mut report);
-        let path = Path::new(&bench.scene, setup.quick);
-        let felt = felt(&path, setup, &mut watch.part(0.8, 1.0))?;
+        let mut part = watch.part(0.8, 1.0);
+        let path = Path::new(&bench.scene, motion, &mut part)?;
+        let felt = felt(&path, setup, &mut part)?;
         tell_felt(&path, &felt, &mut report);
         Ok(report)
     }
@@ -129,7 +139,7 @@ fn tell_drawn(bench: &Bench, rows: &[Drawn], report: &mut Report) {
     let mut table = Table::new(
         "drawn",
         format!(
-            "One press {} mm deep: how far off a fine slab, and the cost of an update",
+            "One press {:.1} mm deep: how far off a fine slab, and the cost of an update",
             bench.depth_mm()
         ),
         &[
@@ -219,7 +229,7 @@ fn tell_drawn(bench: &Bench, rows: &[Drawn], report: &mut Report) {
     ));
     let worst: Vec<f64> = rows.iter().map(|r| r.found.max_mm).collect();
     let what = format!(
-        "For a press {} mm deep in this scene, drawn within {WITHIN_MM} mm everywhere: ",
+        "For a press {:.1} mm deep in this scene, drawn within {WITHIN_MM} mm everywhere: ",
         bench.depth_mm()
     );
     report.note(

@@ -3,8 +3,9 @@
 use super::felt::{self, Engine};
 use super::scenario;
 use crate::contact::TouchScene;
+use crate::deform::Press;
 use crate::device::Device as _;
-use crate::device::scripted::{Script, Scripted};
+use crate::device::scripted::{Script, Scripted, Trajectory, Waypoint};
 use crate::figure::{LinePlot, Scale, Series};
 use crate::geom::Vec3;
 use crate::lab::{Choice, Experiment, LabError, Report, Setup, Table, Verdict, Watch};
@@ -27,6 +28,9 @@ pub struct ErrorOverSession;
 const RATE_HZ: f64 = 1000.0;
 /// Depth of a scripted motion, mm.
 const DEPTH_MM: f64 = 6.0;
+/// A press that is less deep tells nothing, and one that is deeper no skin follows, mm (the cap of eq. 4.16).
+const LEAST_DEPTH_MM: f64 = 0.5;
+const MOST_DEPTH_MM: f64 = 10.0;
 /// Ticks of a session that are looked at.
 const MOST_TICKS: usize = 120_000;
 /// Points of a curve.
@@ -76,7 +80,7 @@ impl Experiment for ErrorOverSession {
 }
 
 /// Inputs and what came of them.
-struct Run {
+pub struct Run {
     name: String,
     scene: Scene,
     dt_s: f64,
@@ -120,7 +124,7 @@ impl Run {
     }
 
     /// The first ticks of a recording without a gap, up to its first edit.
-    fn read(path: &Path, setup: &Setup, watch: &mut Watch<'_>) -> Result<Self, LabError> {
+    pub fn read(path: &Path, setup: &Setup, watch: &mut Watch<'_>) -> Result<Self, LabError> {
         let input = |e: &dyn std::fmt::Display| LabError::Input(e.to_string());
         let session = Session::open(path).map_err(|e| input(&e))?;
         let header = session.header();
@@ -165,6 +169,34 @@ impl Run {
             inputs,
             recorded,
         })
+    }
+
+    /// Its scene, the deepest press of its first finger and the motion of that.
+    pub fn into_press(self) -> Result<(Scene, Option<Press>, Trajectory), LabError> {
+        let touches = self.recorded.iter().filter_map(|r| r.fingers().first());
+        let deepest = touches.max_by(|a, b| a.contact.depth_mm.total_cmp(&b.contact.depth_mm));
+        let press = deepest.and_then(|record| self.scene.press(&record.contact));
+        let press = press.filter(|p| p.depth_mm >= LEAST_DEPTH_MM);
+        let name = &self.name;
+        let press = press.ok_or_else(|| {
+            let why = format!("{name}: nothing is pressed {LEAST_DEPTH_MM} mm deep or more");
+            LabError::Input(why)
+        })?;
+        let readings = self.inputs.iter().map(|i| i.readings[0]).enumerate();
+        let waypoints = readings
+            .filter(|(_, reading)| reading.is_usable())
+            .map(|(i, reading)| Waypoint {
+                time_s: i as f64 * self.dt_s,
+                position_mm: reading.position_mm,
+            })
+            .collect();
+        let motion = Trajectory::new(waypoints);
+        let motion = motion.map_err(|e| LabError::Input(format!("{name}: {e}")))?;
+        let press = Press {
+            depth_mm: press.depth_mm.min(MOST_DEPTH_MM),
+            ..press
+        };
+        Ok((self.scene, Some(press), motion))
     }
 
     /// The session again, each `every`th tick of it, the others held: the force before limits of the first finger, N.
