@@ -119,7 +119,12 @@ pub fn svg(map: &CellMap, caption: &str) -> Result<String> {
         .classes
         .iter()
         .map(|c| (&*c.name, c.colour, Swatch::Filled));
-    let legend = Legend::new(classes.chain(named(&map.series)));
+    // A ring on a dashed curve says "measured by someone else": over cells dashes are enough.
+    let curves = named(&map.series).map(|(name, colour, swatch)| match swatch {
+        Swatch::Curve(Mark::Dashed) => (name, colour, Swatch::Dashes),
+        _ => (name, colour, swatch),
+    });
+    let legend = Legend::new(classes.chain(curves));
     let height = TITLE_HEIGHT + legend.height() + FRAME_HEIGHT + X_LABEL_HEIGHT;
     sheet(height, caption, |area| {
         title(area, &map.title)?;
@@ -216,7 +221,6 @@ fn draw(area: &Area, map: &CellMap, legend_height: u32) -> Result<()> {
                 }
             }
         }
-        // A ring on a dashed curve would say "measured by someone else": over cells dashes are enough.
         if matches!(series.mark, Mark::Points | Mark::Joined) {
             let inside = points.iter().filter(|p| is_in(**p, frame));
             for &[x, y] in inside {

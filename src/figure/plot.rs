@@ -27,6 +27,13 @@ pub struct Series {
     pub points: Vec<[f64; 2]>,
 }
 
+impl Series {
+    /// Whether its points are shown as rings: those of a dashed curve with few of them.
+    pub fn has_rings(&self) -> bool {
+        self.mark == Mark::Dashed && self.points.len() <= MOST_RINGS
+    }
+}
+
 /// How the points of a curve are shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Mark {
@@ -66,7 +73,7 @@ pub struct LinePlot {
 }
 
 /// Most points of a dashed curve that are shown as rings: more lie on each other.
-pub const MOST_RINGS: usize = 40;
+const MOST_RINGS: usize = 40;
 
 const FRAME_HEIGHT: u32 = 210 * PX;
 
@@ -177,8 +184,11 @@ fn draw(area: &Area, plot: &LinePlot, x: &Shared, last: bool) -> Result<()> {
                 .draw_series(DashedLineSeries::new(joined.clone(), 6 * PX, 4 * PX, thin))
                 .map_err(Error::other)?;
         }
-        let is_smear = series.mark == Mark::Dashed && series.points.len() > MOST_RINGS;
-        if (!series.mark.has_dots() || is_smear) && curve.len() > 1 {
+        let has_dots = match series.mark {
+            Mark::Dashed => series.has_rings(),
+            mark => mark.has_dots(),
+        };
+        if !has_dots && curve.len() > 1 {
             continue;
         }
         for style in dot_styles(series.mark, colour) {

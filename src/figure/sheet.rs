@@ -135,6 +135,8 @@ pub(super) fn cut(text: &str, n: usize) -> String {
 pub(super) enum Swatch {
     /// A piece of a curve.
     Curve(Mark),
+    /// A piece of a dashed curve without rings.
+    Dashes,
     /// A filled box.
     Filled,
 }
@@ -153,9 +155,13 @@ struct Entry {
 
 /// An entry for the legend of each curve.
 pub(super) fn named(series: &[Series]) -> impl Iterator<Item = (&str, [u8; 3], Swatch)> {
-    series
-        .iter()
-        .map(|s| (&*s.name, s.colour, Swatch::Curve(s.mark)))
+    series.iter().map(|s| {
+        let swatch = match s.has_rings() {
+            false if s.mark == Mark::Dashed => Swatch::Dashes,
+            _ => Swatch::Curve(s.mark),
+        };
+        (&*s.name, s.colour, swatch)
+    })
 }
 
 impl Legend {
@@ -211,7 +217,9 @@ impl Entry {
         let wide = SWATCH_WIDTH as i32;
         let (parts, half): (&[(i32, i32)], u32) = match self.swatch {
             Swatch::Curve(Mark::Line | Mark::Joined) => (&[(0, wide)], PX),
-            Swatch::Curve(Mark::Dashed) => (&[(0, wide / 5), (4 * wide / 5, wide)], PX),
+            Swatch::Dashes | Swatch::Curve(Mark::Dashed) => {
+                (&[(0, wide / 5), (4 * wide / 5, wide)], PX)
+            }
             Swatch::Curve(Mark::Points) => (&[], PX),
             Swatch::Filled => (&[(2, wide - 2)], 6 * PX),
         };

@@ -2,7 +2,6 @@
 //! is.
 
 use crate::app::theme::Theme;
-use crate::figure::plot::MOST_RINGS;
 use crate::figure::{CellMap, LinePlot, Mark, Scale, Series, axis_marks, axis_range};
 use crate::lab::{Table, Value};
 use egui::{Color32, Pos2, Rect, RichText, Shape, Stroke, vec2};
@@ -304,8 +303,7 @@ fn draw<'a>(
     }
     let dotted = match mark {
         Mark::Line => placed.points.len() == 1,
-        // Rings that lie on each other are a smear.
-        Mark::Dashed => !over_cells && placed.points.len() <= MOST_RINGS,
+        Mark::Dashed => !over_cells && placed.series.has_rings(),
         Mark::Joined | Mark::Points => true,
     };
     if !dotted {
@@ -363,14 +361,20 @@ fn legend_ui(
             let [r, g, b] = series.colour;
             let colour = readable(Color32::from_rgb(r, g, b), cx.theme.panel);
             entry(ui, &series.name, &|painter, rect| {
-                sign(painter, rect, series.mark, colour)
+                sign(
+                    painter,
+                    rect,
+                    series.mark,
+                    series.has_rings() && map.is_none(),
+                    colour,
+                )
             });
         }
     });
 }
 
 /// What a curve looks like.
-fn sign(painter: &egui::Painter, rect: Rect, mark: Mark, colour: Color32) {
+fn sign(painter: &egui::Painter, rect: Rect, mark: Mark, has_rings: bool, colour: Color32) {
     let (left, middle, right) = (rect.left_center(), rect.center(), rect.right_center());
     let stroke = Stroke::new(2.0, colour);
     match mark {
@@ -382,7 +386,11 @@ fn sign(painter: &egui::Painter, rect: Rect, mark: Mark, colour: Color32) {
         Mark::Dashed => {
             painter.line_segment([left, left + vec2(4.5, 0.0)], stroke);
             painter.line_segment([right - vec2(4.5, 0.0), right], stroke);
-            painter.circle_stroke(middle, 3.5, Stroke::new(1.5, colour));
+            if has_rings {
+                painter.circle_stroke(middle, 3.5, Stroke::new(1.5, colour));
+            } else {
+                painter.line_segment([middle - vec2(2.0, 0.0), middle + vec2(2.0, 0.0)], stroke);
+            }
         }
         Mark::Points => _ = painter.circle_filled(middle, 3.5, colour),
     }
