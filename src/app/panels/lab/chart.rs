@@ -225,20 +225,29 @@ fn tooltip(response: &egui::Response, add: impl FnOnce(&mut egui::Ui)) {
     .show(add);
 }
 
-/// The names in the first row of a table that holds both numbers of a point.
-fn names_of(tables: &[Table], point: [f64; 2]) -> Vec<&str> {
+/// The names in the first row of a table that holds both numbers of a point: the first alone, the others with what they
+/// are names of.
+fn names_of(tables: &[Table], point: [f64; 2]) -> Vec<String> {
     let holds = |row: &&Vec<Value>| {
         let has = |x: f64| row.iter().any(|v| v.number() == Some(x));
         has(point[0]) && has(point[1])
     };
-    let row = tables.iter().find_map(|t| t.rows().iter().find(holds));
-    fn name(value: &Value) -> Option<&str> {
+    let found = tables
+        .iter()
+        .find_map(|t| Some((t, t.rows().iter().find(holds)?)));
+    let Some((table, row)) = found else {
+        return Vec::new();
+    };
+    let mut names = Vec::new();
+    for (column, value) in table.columns().iter().zip(row) {
         match value {
-            Value::Text(text) if !text.trim().is_empty() => Some(text),
-            _ => None,
+            Value::Text(text) if text.trim().is_empty() => {}
+            Value::Text(text) if names.is_empty() => names.push(text.clone()),
+            Value::Text(text) => names.push(format!("{}: {text}", column.name)),
+            _ => {}
         }
     }
-    row.into_iter().flatten().filter_map(name).collect()
+    names
 }
 
 /// The point nearest to the pointer, if one is near: its curve, where it is drawn and which it is.
@@ -253,7 +262,8 @@ fn nearest<'a>(
         for &(point, i) in &placed.points {
             let at = transform.position_from_point(&PlotPoint::from(point));
             let apart = at.distance_sq(pointer);
-            if apart < least {
+            // Of curves that share a point the upper one is meant.
+            if apart <= least {
                 least = apart;
                 best = Some((placed, at, i));
             }
@@ -396,8 +406,16 @@ fn sign(painter: &egui::Painter, rect: Rect, mark: Mark, has_rings: bool, colour
     }
 }
 
-/// A colour for a white page, made lighter until it is seen on `background`.
+/// A colour for a white page as it is seen on `background`: in the dark greys change places, so that ink stays the one
+/// that stands out, and others are made lighter until they are seen.
 fn readable(colour: Color32, background: Color32) -> Color32 {
+    let [r, g, b, _] = colour.to_array();
+    let is_grey = r.max(g).max(b) - r.min(g).min(b) < 24;
+    let is_dark = contrast(background, Color32::WHITE) > contrast(background, Color32::BLACK);
+    let colour = match is_grey && is_dark {
+        true => Color32::from_rgb(255 - r, 255 - g, 255 - b),
+        false => colour,
+    };
     let mut seen = colour;
     for i in 1..=10_u8 {
         if contrast(seen, background) >= CONTRAST {
@@ -525,10 +543,70 @@ mod tests {
     fn curves_meant_for_paper_are_seen_in_the_dark_and_keep_their_colour_in_the_light() {
         let ink = Color32::from_rgb(24, 26, 30);
         assert_eq!(readable(ink, LIGHT.inset), ink);
-        assert!(contrast(readable(ink, DARK.inset), DARK.inset) >= CONTRAST);
+        assert!(contrast(readable(ink, DARK.inset), DARK.inset) > 10.0);
+        let brown = Color32::from_rgb(120, 74, 18);
+        assert!(contrast(readable(brown, DARK.inset), DARK.inset) >= CONTRAST);
         let bright = Color32::from_rgb(230, 160, 40);
         assert_eq!(readable(bright, DARK.inset), bright);
         assert!((contrast(Color32::WHITE, Color32::BLACK) - 21.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn maps_and_plots_of_any_content_are_drawn() {
+        use crate::figure::Class;
+        let class = |name: &str| Class {
+            name: name.to_owned(),
+            colour: [200, 230, 205],
+        };
+        let series = |points: Vec<[f64; 2]>| Series {
+            name: "theory".to_owned(),
+            points,
+            ..Series::default()
+        };
+        let map = CellMap {
+            title: "A map".to_owned(),
+            y_scale: Scale::Logarithmic,
+            x_edges: vec![0.0, 1.0, 2.0],
+            y_edges: vec![0.1, 1.0, 10.0],
+            cells: vec![0, 1, 1, 7],
+            classes: vec![class("still"), class("growing")],
+            series: vec![series(vec![[0.0, 0.2], [9.0, 90.0]])],
+            ..CellMap::default()
+        };
+        assert_eq!(Cells::new(&map).boxes.len(), 3);
+        let odd = |change: &dyn Fn(&mut CellMap)| {
+            let mut map = map.clone();
+            change(&mut map);
+            map
+        };
+        let maps = [
+            map.clone(),
+            CellMap::default(),
+            odd(&|m| m.y_edges[0] = 0.0),
+            odd(&|m| m.x_edges = vec![f64::NAN; 3]),
+            odd(&|m| m.x_edges = vec![1.0; 3]),
+            odd(&|m| m.series = vec![series(Vec::new()), series(vec![[f64::NAN, 1.0]])]),
+        ];
+        let plot = |points| LinePlot {
+            series: vec![series(points)],
+            ..LinePlot::default()
+        };
+        let plots = [
+            plot(Vec::new()),
+            plot(vec![[1.0, 1.0]]),
+            plot(vec![[0.0, 1e15], [f64::INFINITY, 1.0]]),
+        ];
+        let context = ChartContext {
+            theme: &DARK,
+            tables: &[],
+        };
+        egui::__run_test_ui(|ui| {
+            for (i, map) in maps.iter().enumerate() {
+                ui.push_id(i, |ui| map_ui(ui, &context, map));
+            }
+            ui.push_id("plots", |ui| plots_ui(ui, &context, &plots));
+            plots_ui(ui, &context, &[]);
+        });
     }
 
     #[test]
@@ -563,7 +641,7 @@ mod tests {
         table.push(["a".into(), "fine".into(), 2.5.into(), 0.1.into()]);
         table.push(["b".into(), "".into(), 2.5.into(), 0.3.into()]);
         let tables = [table];
-        assert_eq!(names_of(&tables, [2.5, 0.1]), ["a", "fine"]);
+        assert_eq!(names_of(&tables, [2.5, 0.1]), ["a", "setting: fine"]);
         assert_eq!(names_of(&tables, [2.5, 0.3]), ["b"]);
         assert!(names_of(&tables, [2.5, 0.2]).is_empty());
     }

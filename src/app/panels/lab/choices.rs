@@ -9,6 +9,9 @@ use egui::{RichText, vec2};
 use egui_material_icons::icons as icon;
 use std::time::Duration;
 
+/// Height of the bar that tells progress, points.
+const BAR: f32 = 6.0;
+
 /// Shows what the experiment answers, what it can be told, and how far it is.
 pub fn show(
     ui: &mut egui::Ui,
@@ -176,6 +179,8 @@ fn run_ui(
             asked = Some(true);
         }
     });
+    // The place of the bar, so that nothing moves when it comes.
+    ui.allocate_space(vec2(1.0, BAR));
     if let Some(anew) = asked {
         *refused = laboratory.run(anew, cx.view, wake).err();
     }
@@ -201,18 +206,16 @@ fn progress_ui(ui: &mut egui::Ui, laboratory: &Laboratory, progress: &Progress) 
             (false, "") => "Starting…".to_owned(),
             (false, what) => what.to_owned(),
         };
-        let bar = egui::ProgressBar::new(progress.share as _)
-            .desired_width(ui.available_width())
-            .text(RichText::new(format!("{:.0} %  {text}", 100.0 * progress.share)).size(12.0));
-        ui.add(bar).widget_info(|| {
-            let mut info = egui::WidgetInfo::labeled(
-                egui::accesskit::Role::ProgressIndicator,
-                true,
-                format!("{}: {text}", progress.experiment),
-            );
-            info.value = Some(100.0 * progress.share);
-            info
-        });
+        ui.label(RichText::new(format!("{:>3.0} %", 100.0 * progress.share)).monospace());
+        ui.add(egui::Label::new(&text).truncate());
+    });
+    let bar = egui::ProgressBar::new(progress.share as _).desired_height(BAR);
+    ui.add(bar).widget_info(|| {
+        let role = egui::accesskit::Role::ProgressIndicator;
+        let name = format!("{}: {}", progress.experiment, progress.what);
+        let mut info = egui::WidgetInfo::labeled(role, true, name);
+        info.value = Some(100.0 * progress.share);
+        info
     });
 }
 
