@@ -131,9 +131,10 @@ impl Counts {
         row.map_or(0, |&(_, _, bytes)| bytes)
     }
 
-    /// The same without what only a process of its own can count: others allocate beside.
-    pub fn uncounted(self) -> Self {
+    /// The same without what only a process of its own can count, since others allocate beside; and why there was none.
+    pub fn uncounted(self, why: String) -> Self {
         Self {
+            refused: Some(why),
             scenario: None,
             scene: None,
             build_calls: None,

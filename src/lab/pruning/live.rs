@@ -563,6 +563,14 @@ fn conclude(
         "0",
         changing.timing.late_ticks == 0,
     ));
+    let share = |s: &Stretch| 1e4 * s.timing.late_ticks as f64 / s.timing.ticks.max(1) as f64;
+    let quiet = f64::max(share(first), share(last));
+    verdicts.push(Verdict::told(
+        "changes make no more ticks late than are late without them",
+        format!("{:.0} of 10,000; without {quiet:.0}", share(changing)),
+        "as many",
+        share(changing) <= quiet,
+    ));
     let quiet_us = f64::max(first.timing.longest_tick_us, last.timing.longest_tick_us);
     verdicts.push(Verdict::told(
         "the longest tick is within one period",

@@ -336,16 +336,15 @@ impl<'a> Counter<'a> {
     ) -> Result<Counted, LabError> {
         let key = serde_json::to_string(&(time, case))
             .map_err(|e| LabError::Input(format!("a case cannot be told: {e}")))?;
-        let refused = &mut self.refused;
         let counted = self.setup.shelf.part(&key, || {
-            match count(case, go_on) {
+            let why = match count(case, go_on) {
                 Ok(counted) => return Ok(counted),
                 Err(Uncounted::Stopped) => return Err(LabError::Stopped),
-                Err(Uncounted::Here(why)) => *refused = Some(why),
-            }
+                Err(Uncounted::Here(why)) => why,
+            };
             let counts = case.run(&mut || ()).map_err(LabError::Input)?;
             Ok(Counted {
-                counts: counts.uncounted(),
+                counts: counts.uncounted(why),
                 asking: None,
                 windows: Vec::new(),
             })
@@ -469,7 +468,7 @@ fn conclude(report: &mut Report, counter: &Counter<'_>, found: &Found, again: Op
     if let (Some(asking), Some(plain)) = (found.asking, found.plain) {
         report.note(format!(
             "A plain tick in touch takes {plain:.0} instructions. Asking once for each of the six parts that a tick may find \
-             absent takes {asking} with the call, counted by itself: that is all that an absent part costs."
+             absent takes {asking} with the call, counted by itself: such a question is all that an absent part costs."
         ));
     }
     if let Some(why) = &counter.refused {
@@ -481,6 +480,10 @@ fn conclude(report: &mut Report, counter: &Counter<'_>, found: &Found, again: Op
         "Bytes are those asked of the allocator. Instructions are steps of a process of its own (ptrace), between a begin and an \
          end whose own steps are taken off; a repeated string instruction counts once per repetition. Idle: the finger is in \
          the air, of the tangential field it presses without pulling.",
+    );
+    report.note(
+        "The ledger leaves out small things: the keys of a fit and the net it finds places in, headers of shared lists, names. \
+         Of the recorder it tells the buffers, not what the file format's own writer keeps.",
     );
     report.note(
         "Graphics mesh, surface colour, partition tree, editors and plot history belong to the window: tests/pruning.rs counts \
