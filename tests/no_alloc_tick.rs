@@ -16,7 +16,7 @@ use dorsum::device::Reading;
 use dorsum::geom::{Vec2, Vec3};
 use dorsum::partition::bvh::Bvh;
 use dorsum::partition::hdb::Query;
-use dorsum::servo::{FingerRecord, Rig, TickInput, tick};
+use dorsum::servo::{FingerRecord, LimitFlags, Rig, TickInput, tick};
 use dorsum::surface::Surface;
 use dorsum::surface::primitives::{bench_patch, bench_path};
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -90,7 +90,8 @@ fn the_alarm_rings() {
 
 #[test]
 fn thousands_of_ticks_allocate_nothing() {
-    run(None, 8000);
+    run(None, 8000, false);
+    run(None, 8000, true);
 }
 
 #[test]
@@ -103,7 +104,7 @@ fn nor_do_those_of_the_published_pass_with_any_structure() {
                 ..published::Options::default()
             };
             options.tree.threshold = 64;
-            run(Some(options), 1000);
+            run(Some(options), 1000, true);
         }
     }
 }
@@ -141,8 +142,8 @@ fn nor_does_deforming_the_skin_once_it_has_been_as_large() {
     assert!(moved > 1000 && out.n_moved() == moved);
 }
 
-/// Two fingers for this many ticks, the alarm armed.
-fn run(published: Option<published::Options>, ticks: i32) {
+/// Two fingers for this many ticks, with or without the passivity controller, the alarm armed.
+fn run(published: Option<published::Options>, ticks: i32, passivity: bool) {
     let as_published = published.is_some();
     let triangles = if as_published { 2_000 } else { 20_389 };
     let (surface, _) = Surface::new(bench_patch(triangles)).unwrap();
@@ -181,8 +182,11 @@ fn run(published: Option<published::Options>, ticks: i32) {
     let n_edits = ticks as u32 / 150;
     let mut edits: Vec<_> = (1..=n_edits).map(edited).collect();
     let mut old = Vec::with_capacity(edits.len());
-    let mut fading = 0;
+    let (mut fading, mut damped) = (0, 0);
     let mut rig = Rig::new(Box::new(scene.clone()), Default::default());
+    for limits in &mut rig.limits {
+        limits.passivity = passivity;
+    }
     let (mut records, mut drained) = rtrb::RingBuffer::<FingerRecord>::new(1024);
     let mut seen = [0_u32; 4];
     let mut read = 0;
@@ -222,6 +226,7 @@ fn run(published: Option<published::Options>, ticks: i32) {
             let record = tick(&mut rig, &input, 1e-3);
             for finger in record.fingers() {
                 seen[finger.contact.touch as usize] += 1;
+                damped += u32::from(finger.limits.has(LimitFlags::PASSIVITY));
                 assert!(records.push(*finger).is_ok());
             }
             while drained.pop().is_ok() {
@@ -234,6 +239,10 @@ fn run(published: Option<published::Options>, ticks: i32) {
         rig.edit >= 5 && fading > 300,
         "{} edits, {fading} ticks",
         rig.edit
+    );
+    assert!(
+        if passivity { damped > 100 } else { damped == 0 },
+        "the passivity controller acted {damped} times"
     );
     let [free, _, stick, slip] = seen;
     let enough = if as_published {

@@ -40,6 +40,33 @@ fn recorded(folder: &Path) -> PathBuf {
     path
 }
 
+#[test]
+fn a_run_with_the_passivity_controller_says_so_and_is_bit_exact() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mcap");
+    let text = path.to_str().unwrap();
+    let run = dorsum(&[
+        "run",
+        "FIRST.toml",
+        "--script",
+        "tap",
+        "--fast",
+        "--passivity",
+        "--record",
+        text,
+        "--json",
+    ]);
+    let printed: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    assert_eq!(printed["passivity"], true);
+    let session = Session::open(&path).unwrap();
+    assert!(session.header().devices[0].passivity);
+    let recording = session.load(Strictness::Strict).unwrap();
+    let owed = |r: &&FingerRecord| r.passivity_energy_n_mm < 0.0;
+    assert!(recording.fingers[0].iter().filter(owed).count() > 10);
+    let output = dorsum(&["replay", text, "--check"]);
+    assert!(output.status.success());
+}
+
 /// The same session with one record changed.
 fn rewritten(from: &Path, to: &Path, change: impl Fn(&mut FingerRecord)) {
     let session = Session::open(from).unwrap();

@@ -77,6 +77,7 @@ fn record() -> impl Strategy<Value = FingerRecord> {
         },
         sent_force_n: p.4,
         limits: LimitFlags(n.3),
+        passivity_energy_n_mm: n.1,
         duration_us: rest.2,
     })
 }

@@ -21,6 +21,7 @@ fn header(n_fingers: usize) -> Header {
         name: "Scripted".into(),
         rated_force_n: 22.0,
         rise_n_per_s: 4400.0,
+        passivity: false,
     };
     Header {
         scenario_toml: "format = 1\n".into(),

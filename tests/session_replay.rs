@@ -8,7 +8,7 @@ use dorsum::device::{Device, Reading};
 use dorsum::geom::Vec3;
 use dorsum::partition::bvh::Bvh;
 use dorsum::servo::{
-    self, Command, FingerRecord, Limits, Rig, ServoConfig, TickInput, TickRecord, tick,
+    self, Command, FingerRecord, LimitFlags, Limits, Rig, ServoConfig, TickInput, TickRecord, tick,
 };
 use dorsum::session::{
     DeviceInfo, Header, IfExists, MeshSource, Playback, RecorderThread, Session, SessionError,
@@ -23,6 +23,12 @@ const DT_S: f64 = 1.0 / 1000.0;
 const LIMITS: Limits = Limits {
     rated_force_n: 9.0,
     rise_n_per_s: 2000.0,
+    passivity: false,
+};
+/// The second finger's passivity controller is on.
+const PASSIVE: Limits = Limits {
+    passivity: true,
+    ..LIMITS
 };
 
 /// A sheet of 20 × 20 squares of 5 mm, tilted, with stiffness that rises along x.
@@ -104,7 +110,9 @@ fn header() -> Header {
         scenario_toml: "format = 1\n".into(),
         scenario_name: "Sheet".into(),
         mesh: MeshSource::new(&scene.surface, "sheet"),
-        devices: vec![DeviceInfo::new("Scripted", &LIMITS); 2],
+        devices: [LIMITS, PASSIVE]
+            .map(|l| DeviceInfo::new("Scripted", &l))
+            .to_vec(),
         rate_hz: 1000.0,
         build: "test".into(),
         started_utc: "2031-05-17T09:30:00Z".into(),
@@ -162,6 +170,39 @@ fn a_run_replays_bit_for_bit() {
 }
 
 #[test]
+fn the_passivity_controller_acts_where_it_is_on_and_its_balance_is_recorded() {
+    let run = ticks(1500);
+    let damped = |finger: usize| {
+        let records = run.iter().map(|t| t.fingers[finger]);
+        records
+            .filter(|r| r.limits.has(LimitFlags::PASSIVITY))
+            .count()
+    };
+    assert_eq!(damped(0), 0);
+    assert!(damped(1) > 100, "{}", damped(1));
+    assert!(
+        run.iter()
+            .all(|t| t.fingers[0].passivity_energy_n_mm == 0.0)
+    );
+    let owed = run
+        .iter()
+        .filter(|t| t.fingers[1].passivity_energy_n_mm < 0.0);
+    assert!(owed.count() > 100);
+    for t in &run {
+        let sent = t.fingers[1].sent_force_n;
+        assert!(sent.is_finite() && sent.length() <= LIMITS.rated_force_n * (1.0 + 1e-12));
+    }
+    let file = recorded(run);
+    let limits = file.session().header().limits();
+    assert_eq!(limits.map(|l| l.passivity), [false, true, false, false]);
+    // Repeated without it the run is another.
+    let mut without = rig(0.2);
+    without.limits[1] = LIMITS;
+    let report = check(&file.session(), without, Strictness::Strict).unwrap();
+    assert_eq!(report.first_difference.unwrap().finger, 1);
+}
+
+#[test]
 fn a_recording_that_starts_in_the_middle_replays_from_there() {
     for start in [1, 333, 500, 605, 701, 1200] {
         let file = recorded(ticks(1400).split_off(start));
@@ -201,7 +242,7 @@ fn a_changed_reading_is_found_at_its_tick() {
 #[test]
 fn one_changed_bit_of_an_outcome_is_found_with_its_field() {
     type Change = fn(&mut FingerRecord);
-    let changes: [(&str, Change); 7] = [
+    let changes: [(&str, Change); 8] = [
         ("fade", |r| r.fade = next(r.fade)),
         ("anchor_mm.y", |r| {
             r.contact.anchor_mm.y = next(r.contact.anchor_mm.y)
@@ -219,6 +260,9 @@ fn one_changed_bit_of_an_outcome_is_found_with_its_field() {
             r.sent_force_n.z = next(r.sent_force_n.z)
         }),
         ("limits", |r| r.limits.0 ^= 1),
+        ("passivity_energy_n_mm", |r| {
+            r.passivity_energy_n_mm = next(r.passivity_energy_n_mm);
+        }),
     ];
     for (field, change) in changes {
         let mut changed = ticks(900);

@@ -31,10 +31,16 @@ fn recorded_sessions_replay_bit_for_bit() {
         let scenario = Scenario::parse(&header.scenario_toml, &origin, None).expect("parses");
         let scene = scenario::build(Arc::new(scenario), Use::default(), &mut |_, _| true);
         let rig = Rig::new(Box::new(scene.expect("builds").touch), header.limits());
+        // They are older than the passivity controller.
+        assert!(header.limits().iter().all(|l| !l.passivity), "{origin}");
         let mut touching = 0;
         let report = check_with(&session, rig, Strictness::Strict, |pair, _| {
             let fingers = pair.recorded.fingers();
             touching += u64::from(fingers.iter().any(|r| r.contact.touch != Touch::Free));
+            assert!(
+                fingers.iter().all(|r| r.passivity_energy_n_mm == 0.0),
+                "{origin}"
+            );
         });
         let report = report.unwrap_or_else(|e| panic!("{e}"));
         assert!(

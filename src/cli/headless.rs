@@ -56,6 +56,7 @@ pub fn run(scenario: Option<&str>, out: Option<&Path>, json: bool) -> Result<Out
     let plan = Plan {
         rate_hz: 1000.0,
         trajectories: vec![script],
+        passivity: false,
     };
     let (summary, lost) = plan.run_live(&scene, Some((&session_path, IfExists::Refuse)))?;
 

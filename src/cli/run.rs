@@ -43,6 +43,9 @@ pub struct RunArgs {
     /// Ticks per second.
     #[arg(long, value_name = "HZ", default_value_t = 1000.0, value_parser = rate_hz)]
     rate: f64,
+    /// Let the skin give out no more energy than the finger has put in (passivity controller).
+    #[arg(long)]
+    passivity: bool,
 }
 
 fn script_by_name(name: &str) -> Result<Script, String> {
@@ -71,6 +74,7 @@ struct Printed {
     scenario: String,
     motion: String,
     real_time: bool,
+    passivity: bool,
     summary: Summary,
     recorded: Option<PathBuf>,
     lost_ticks: u64,
@@ -116,6 +120,7 @@ pub fn run(args: &RunArgs, json: bool) -> Result<Outcome, CliError> {
     let plan = Plan {
         rate_hz: args.rate,
         trajectories,
+        passivity: args.passivity,
     };
     let target = args.record.as_deref().map(|path| {
         (
@@ -136,6 +141,7 @@ pub fn run(args: &RunArgs, json: bool) -> Result<Outcome, CliError> {
         scenario: scene.scenario.name.clone(),
         motion,
         real_time: !args.fast,
+        passivity: args.passivity,
         summary,
         recorded: args.record.clone(),
         lost_ticks,
@@ -167,6 +173,8 @@ pub(super) fn script_over(
 pub(super) struct Plan {
     pub(super) rate_hz: f64,
     pub(super) trajectories: Vec<Trajectory>,
+    /// The passivity controller is on.
+    pub(super) passivity: bool,
 }
 
 type Target<'a> = Option<(&'a Path, IfExists)>;
@@ -192,7 +200,10 @@ impl Plan {
     fn limits(&self) -> [Limits; MAX_FINGERS] {
         let mut limits = [Limits::default(); MAX_FINGERS];
         for (limit, device) in limits.iter_mut().zip(self.devices()) {
-            *limit = Limits::of(device.capabilities());
+            *limit = Limits {
+                passivity: self.passivity,
+                ..Limits::of(device.capabilities())
+            };
         }
         limits
     }

@@ -11,6 +11,8 @@ pub struct Limits {
     pub rated_force_n: f64,
     /// Fastest rise of force, N/s. Falling is not limited: letting go is always safe.
     pub rise_n_per_s: f64,
+    /// Whether the skin may give out no more energy than the finger has put in: [`passivity`](super::passivity).
+    pub passivity: bool,
 }
 
 impl Default for Limits {
@@ -19,6 +21,7 @@ impl Default for Limits {
         Self {
             rated_force_n: 22.0,
             rise_n_per_s: 22.0 / 0.005,
+            passivity: false,
         }
     }
 }
@@ -29,6 +32,7 @@ impl Limits {
         Self {
             rated_force_n: device.rated_force_n,
             rise_n_per_s: device.rated_force_n / 0.005,
+            passivity: false,
         }
     }
 }
@@ -50,6 +54,8 @@ impl LimitFlags {
     pub const LATE: Self = Self(16);
     /// The device did not answer.
     pub const DISCONNECTED: Self = Self(32);
+    /// The passivity controller changed the force.
+    pub const PASSIVITY: Self = Self(64);
 
     /// Whether all of `other` is set.
     pub fn has(self, other: Self) -> bool {
@@ -137,6 +143,7 @@ mod tests {
     const LIMITS: Limits = Limits {
         rated_force_n: 8.0,
         rise_n_per_s: 1000.0,
+        passivity: false,
     };
 
     #[test]
@@ -205,7 +212,7 @@ mod tests {
             rated in 0.0..30.0_f64,
             rise in 0.0..1e6_f64,
         ) {
-            let limits = Limits { rated_force_n: rated, rise_n_per_s: rise };
+            let limits = Limits { rated_force_n: rated, rise_n_per_s: rise, passivity: false };
             let (sent, flags) = limit(Vec3::from(wanted), Vec3::from(last), OPEN, &limits, 0.001);
             prop_assert!(sent.is_finite());
             prop_assert!(sent.length() <= rated * (1.0 + 1e-12));

@@ -9,6 +9,7 @@
 
 mod fade;
 mod limiter;
+pub mod passivity;
 mod record;
 mod runner;
 mod tick;

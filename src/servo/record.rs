@@ -1,6 +1,7 @@
 //! What goes into a tick and what comes out: plain values.
 
 use super::LimitFlags;
+use super::passivity::Observer;
 use crate::contact::{Contact, ContactState};
 use crate::device::{MAX_FINGERS, Reading};
 use crate::geom::Vec3;
@@ -47,6 +48,9 @@ pub struct FingerRecord {
     pub sent_force_n: Vec3,
     /// Which limits acted on it.
     pub limits: LimitFlags,
+    /// Where the passivity controller is on, what the finger is owed: 0, or below it the energy that the skin has given
+    /// out beyond what was put in. Else 0.
+    pub passivity_energy_n_mm: f64,
     /// How long the whole tick took, µs. Measured, not part of the replayed outcome.
     pub duration_us: f32,
 }
@@ -67,6 +71,7 @@ impl Default for FingerRecord {
             contact: Contact::default(),
             sent_force_n: Vec3::ZERO,
             limits: LimitFlags::default(),
+            passivity_energy_n_mm: 0.0,
             duration_us: 0.0,
         }
     }
@@ -79,6 +84,16 @@ impl FingerRecord {
         self.reading
             .is_usable()
             .then(|| ContactState::after(self.reading.position_mm, &self.contact))
+    }
+
+    /// The energy balance that the next tick starts from, with the passivity controller on or off.
+    pub(super) fn observer(&self, on: bool) -> Observer {
+        if on && self.reading.is_usable() {
+            let hip_mm = self.reading.position_mm;
+            Observer::after(hip_mm, &self.contact, self.passivity_energy_n_mm)
+        } else {
+            Observer::default()
+        }
     }
 
     /// Whether the outcome equals `other`'s bit for bit; measured times are left out.
@@ -117,6 +132,7 @@ impl FingerRecord {
                     c.felt_depth_mm,
                     c.credit_mj,
                     r.fade,
+                    r.passivity_energy_n_mm,
                 ]
                 .map(f64::to_bits),
             )

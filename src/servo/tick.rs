@@ -1,7 +1,8 @@
 //! The tick: a pure function of rig, input and time step.
 
 use super::fade::feel_on_the_way;
-use super::limiter::{Gate, Limits, limit};
+use super::limiter::{Gate, LimitFlags, Limits, limit};
+use super::passivity::Observer;
 use super::record::{FingerRecord, TickInput, TickRecord};
 use crate::contact::{self, Contact, ContactState, Hip, Touch, TouchScene};
 use crate::device::{MAX_FINGERS, Reading};
@@ -19,6 +20,8 @@ pub struct Rig {
     pub contacts: [Option<ContactState>; MAX_FINGERS],
     /// Force sent to each finger last tick, N.
     pub last_force_n: [Vec3; MAX_FINGERS],
+    /// Energy balance of each finger; at rest where the passivity controller is off.
+    pub observers: [Observer; MAX_FINGERS],
     /// Number of the edit that made the scene what it is; 0 before the first.
     pub edit: u32,
     /// Number of the next tick.
@@ -33,6 +36,7 @@ impl Rig {
             limits,
             contacts: [None; MAX_FINGERS],
             last_force_n: [Vec3::ZERO; MAX_FINGERS],
+            observers: [Observer::default(); MAX_FINGERS],
             edit: 0,
             next_tick: 0,
         }
@@ -48,6 +52,7 @@ impl Rig {
             if i < MAX_FINGERS {
                 self.contacts[i] = r.contact_state();
                 self.last_force_n[i] = r.sent_force_n;
+                self.observers[i] = r.observer(self.limits[i].passivity);
             }
             self.next_tick = r.tick.saturating_add(1);
         }
@@ -72,6 +77,7 @@ pub fn tick(rig: &mut Rig, input: &TickInput, dt_s: f64) -> TickRecord {
         if input.place_anew[i] {
             rig.contacts[i] = None;
             rig.last_force_n[i] = Vec3::ZERO;
+            rig.observers[i] = Observer::default();
         }
     }
     let on_the_way = rig.is_fading().then(|| feel_on_the_way(rig, readings));
@@ -90,13 +96,12 @@ pub fn tick(rig: &mut Rig, input: &TickInput, dt_s: f64) -> TickRecord {
             late: input.late,
             connected: reading.is_usable(),
         };
-        let (sent_force_n, limits) = limit(
-            contact.force_n,
-            rig.last_force_n[i],
-            gate,
-            &rig.limits[i],
-            dt_s,
-        );
+        let (wanted_n, damped) = passive(rig, i, &reading, &contact, dt_s);
+        let (sent_force_n, mut limits) =
+            limit(wanted_n, rig.last_force_n[i], gate, &rig.limits[i], dt_s);
+        if damped {
+            limits.set(LimitFlags::PASSIVITY);
+        }
         rig.last_force_n[i] = sent_force_n;
         out.fingers[i] = FingerRecord {
             tick: rig.next_tick,
@@ -111,11 +116,33 @@ pub fn tick(rig: &mut Rig, input: &TickInput, dt_s: f64) -> TickRecord {
             contact,
             sent_force_n,
             limits,
+            passivity_energy_n_mm: rig.observers[i].energy_n_mm,
             duration_us: 0.0,
         };
     }
     rig.next_tick = rig.next_tick.saturating_add(1);
     out
+}
+
+/// The force wanted of a finger's device, N, and whether it is other than that of the contact: where the passivity
+/// controller is on.
+fn passive(
+    rig: &mut Rig,
+    i: usize,
+    reading: &Reading,
+    contact: &Contact,
+    dt_s: f64,
+) -> (Vec3, bool) {
+    if !rig.limits[i].passivity {
+        return (contact.force_n, false);
+    }
+    if !reading.is_usable() {
+        rig.observers[i] = Observer::default();
+        return (contact.force_n, false);
+    }
+    let model = &rig.scene.choices.force;
+    let sent_n = rig.last_force_n[i];
+    rig.observers[i].control(model, reading.position_mm, contact, sent_n, dt_s)
 }
 
 /// What each finger feels; those without a reading feel nothing and are placed anew when they have one.

@@ -49,7 +49,7 @@ pub(super) struct Tally {
     per_field: [(u64, f64); N_FIELDS],
 }
 
-const N_FIELDS: usize = 26;
+const N_FIELDS: usize = 27;
 
 impl Tally {
     /// Compares the outcomes of one tick bit for bit.

@@ -58,13 +58,14 @@
 //! | 17 | `stiffness_n_per_mm` | double | outcome | Stiffness at the proxy, N/mm |
 //! | 18 | `force_n` | Vec3 | outcome | Force before any limit, N |
 //! | 19 | `sent_force_n` | Vec3 | outcome | Force sent to the device, N |
-//! | 20 | `limits` | uint32 | outcome | Limits that acted: 1 not finite, 2 rated, 4 rise, 8 disabled, 16 late, 32 disconnected |
+//! | 20 | `limits` | uint32 | outcome | Limits that acted: 1 not finite, 2 rated, 4 rise, 8 disabled, 16 late, 32 disconnected, 64 passivity controller |
 //! | 21 | `duration_us` | float | measured | Duration of the whole tick, µs |
 //! | 22 | `behind` | bool | outcome | The proxy is on the back of its triangle; absent in older files, where it never is |
 //! | 23 | `felt_depth_mm` | double | outcome | Depth the force answers to, mm; where absent, `depth_mm` |
 //! | 24 | `credit_mj` | double | outcome | Balance of force shading, mJ; where absent, 0 |
 //! | 25 | `edit` | uint32 | input | Number of the edit that made the scene what it is; where absent, 0 |
 //! | 26 | `fade` | double | outcome | Share of that edit that is felt, 0 to 1; where absent, 1 |
+//! | 27 | `passivity_energy_n_mm` | double | outcome | With the passivity controller 0, or below it what the skin has given out beyond what was put in, N·mm; where absent, 0 |
 //!
 //! Numbers from 32 on are free for later fields; readers skip what they do not know.
 //!
@@ -88,7 +89,7 @@
 //! `format` = `1`, `scenario_name`, `mesh_hash` (SHA-256, hexadecimal), `mesh_origin`, `mesh_triangles`, `rate_hz` (the time
 //! step is its reciprocal), `build`, `started_utc`, `participant` (a pseudonym; absent when none), `fingers` (their number),
 //! `edit` (the number of the edit that the attached scenario is; absent: 0), and for each finger `finger.N.device`,
-//! `finger.N.rated_force_n`, `finger.N.rise_n_per_s`. Numbers are written so that they read back to the same bits.
+//! `finger.N.rated_force_n`, `finger.N.rise_n_per_s`, `finger.N.passivity` (`on` with the passivity controller; absent: off). Numbers are written so that they read back to the same bits.
 
 use crate::contact::{Contact, Touch};
 use crate::device::Reading;
@@ -284,6 +285,9 @@ pub static FIELDS: &[Field] = &[
     }),
     field(25, "edit", Role::Input, |r| Value::U32(r.edit)),
     field(26, "fade", Role::Outcome, |r| Value::F64(r.fade)),
+    field(27, "passivity_energy_n_mm", Role::Outcome, |r| {
+        Value::F64(r.passivity_energy_n_mm)
+    }),
 ];
 
 /// The fields of `dorsum.Event`.
@@ -447,6 +451,8 @@ struct FingerTickMessage {
     edit: Option<u32>,
     #[prost(double, optional, tag = "26")]
     fade: Option<f64>,
+    #[prost(double, optional, tag = "27")]
+    passivity_energy_n_mm: Option<f64>,
 }
 
 #[derive(Clone, PartialEq, Message)]
@@ -516,6 +522,7 @@ pub fn encode_tick(record: &FingerRecord, out: &mut Vec<u8>) {
         credit_mj: Some(contact.credit_mj),
         edit: Some(record.edit),
         fade: Some(record.fade),
+        passivity_energy_n_mm: Some(record.passivity_energy_n_mm),
     };
     out.clear();
     // A Vec always has room.
@@ -565,6 +572,7 @@ pub fn decode_tick(data: &[u8]) -> Result<FingerRecord, String> {
         },
         sent_force_n: m.sent_force_n.into(),
         limits: LimitFlags(m.limits),
+        passivity_energy_n_mm: m.passivity_energy_n_mm.unwrap_or(0.0),
         duration_us: m.duration_us,
     })
 }

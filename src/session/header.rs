@@ -26,6 +26,9 @@ pub struct DeviceInfo {
     pub rated_force_n: f64,
     /// Fastest rise allowed, N/s.
     pub rise_n_per_s: f64,
+    /// Whether the passivity controller was on; it is not in a session that does not say so.
+    #[serde(default)]
+    pub passivity: bool,
 }
 
 impl DeviceInfo {
@@ -35,6 +38,7 @@ impl DeviceInfo {
             name: name.to_owned(),
             rated_force_n: limits.rated_force_n,
             rise_n_per_s: limits.rise_n_per_s,
+            passivity: limits.passivity,
         }
     }
 
@@ -43,6 +47,7 @@ impl DeviceInfo {
         Limits {
             rated_force_n: self.rated_force_n,
             rise_n_per_s: self.rise_n_per_s,
+            passivity: self.passivity,
         }
     }
 }
@@ -165,6 +170,9 @@ impl Header {
             put(&format!("finger.{i}.rated_force_n"), rated);
             let rise = device.rise_n_per_s.to_string();
             put(&format!("finger.{i}.rise_n_per_s"), rise);
+            if device.passivity {
+                put(&format!("finger.{i}.passivity"), "on".to_owned());
+            }
         }
         self.started_ns()?;
         Self::from_map(&map, self.scenario_toml.clone())?;
@@ -232,7 +240,17 @@ fn device(map: &BTreeMap<String, String>, finger: usize) -> Result<DeviceInfo, S
         name: text(map, &format!("finger.{finger}.device"))?,
         rated_force_n: force("rated_force_n")?,
         rise_n_per_s: force("rise_n_per_s")?,
+        passivity: switch(map, &format!("finger.{finger}.passivity"))?,
     })
+}
+
+/// Off where it is absent, as in older sessions.
+fn switch(map: &BTreeMap<String, String>, key: &str) -> Result<bool, SessionError> {
+    match map.get(key).map(String::as_str) {
+        None | Some("off") => Ok(false),
+        Some("on") => Ok(true),
+        Some(other) => Err(refused(key, other, "on or off")),
+    }
 }
 
 fn text(map: &BTreeMap<String, String>, key: &str) -> Result<String, SessionError> {
@@ -267,6 +285,7 @@ pub(super) mod tests {
             name: format!("Finger {i}"),
             rated_force_n: 22.0,
             rise_n_per_s: 22.0 / 0.005,
+            passivity: i == 1,
         });
         Header {
             scenario_toml: "format = 1\nname = \"Täst\"\n".into(),
@@ -295,6 +314,25 @@ pub(super) mod tests {
         let map = header.to_map().expect("writable");
         let back = Header::from_map(&map, header.scenario_toml.clone()).expect("readable");
         assert_eq!(back, header);
+    }
+
+    #[test]
+    fn the_passivity_controller_is_off_unless_the_session_says_on() {
+        let header = sample(2);
+        let mut map = header.to_map().expect("writable");
+        let passivity = |map: &BTreeMap<String, String>| {
+            let read = Header::from_map(map, header.scenario_toml.clone());
+            read.map(|h| h.limits().map(|l| l.passivity))
+        };
+        assert!(!map.contains_key("finger.0.passivity"));
+        let read = passivity(&map).expect("readable");
+        assert_eq!(read, [false, true, false, false]);
+        map.insert("finger.0.passivity".into(), "perhaps".into());
+        let error = passivity(&map).expect_err("refused").to_string();
+        assert!(
+            error.contains("perhaps") && error.contains("on or off"),
+            "{error}"
+        );
     }
 
     #[test]
