@@ -52,6 +52,8 @@ pub fn all() -> &'static [&'static dyn Experiment] {
         &error::ErrorOverSession,
         &pruning::Parts,
         &pruning::Live,
+        &stability::StabilityBorder,
+        &stability::StabilityController,
     ]
 }
 

@@ -2,8 +2,21 @@
 //!
 //! | file | answers |
 //! |---|---|
+//! | [`border`] | how stiff a skin may be, beside both theories: maps and tables |
+//! | [`closed_loop`] | whether the loop with the real tick comes to rest |
+//! | [`controller`] | what the passivity controller does to it |
+//! | [`devices`] | which devices are held against the limits |
 //! | [`plant`] | how a hand that holds a device moves |
-//! | [`theory`] | how stiff a wall may be, says theory |
+//! | [`search`] | where, going up in stiffness, a loop no longer rests |
+//! | [`theory`] | how stiff a skin may be, says theory |
 
+pub mod border;
+pub mod closed_loop;
+pub mod controller;
+pub mod devices;
 pub mod plant;
+pub mod search;
 pub mod theory;
+
+pub use border::StabilityBorder;
+pub use controller::StabilityController;
