@@ -211,7 +211,7 @@ fn tell_drawn(bench: &Bench, rows: &[Drawn], report: &mut Report) {
         let rows = rows
             .iter()
             .filter(|r| r.is_fsmd() && r.setting.contains(word));
-        rows.map(|r| 100.0 * r.found.relative)
+        rows.map(|r| 100.0 * r.found.dent_relative)
             .fold(f64::INFINITY, f64::min)
     };
     let fitted = of("fitted");
