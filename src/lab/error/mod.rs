@@ -3,11 +3,11 @@
 //!
 //! | file | answers |
 //! |---|---|
-//! | [`bench`] | which press on which skin, what the truth is, how far off a shape is |
-//! | [`subject`] | which models at which settings |
-//! | [`felt`] | which engines, rates and meshes, and how far off the force is |
-//! | [`front`] | which of them nothing else beats |
-//! | [`session`] | drift, energy and repetition over the time of a session |
+//! | `bench` | which press on which skin, what the truth is, how far off a shape is |
+//! | `subject` | which models at which settings |
+//! | `felt` | which engines, rates and meshes, and how far off the force is |
+//! | `front` | which of them nothing else beats |
+//! | `session` | drift, energy and repetition over the time of a session |
 
 mod bench;
 mod felt;
