@@ -35,8 +35,8 @@ impl Haptic {
         }
     }
 
-    /// The device in a hand that wants to be [`AIM_MM`] within the skin; one that nobody holds is pushed in by
-    /// [`PUSH_N`].
+    /// The device in a hand that wants to be `AIM_MM` within the skin; one that nobody holds is pushed in by
+    /// `PUSH_N`.
     pub fn held_by(&self, hand: &Hand) -> Plant {
         let push_n = if hand.stiffness_n_per_mm > 0.0 {
             -hand.stiffness_n_per_mm * AIM_MM

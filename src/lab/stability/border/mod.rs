@@ -2,8 +2,8 @@
 //!
 //! | file | answers |
 //! |---|---|
-//! | [`maps`] | what becomes of a tap, by stiffness and damping |
-//! | [`tables`] | how stiff a skin may be, by rate, delay, encoder step, hand and device |
+//! | `maps` | what becomes of a tap, by stiffness and damping |
+//! | `tables` | how stiff a skin may be, by rate, delay, encoder step, hand and device |
 
 mod maps;
 mod tables;
