@@ -200,6 +200,31 @@ fn the_contact_feels_the_model_and_only_the_rate_along_the_normal() {
 
 /// The cone is a ratio of lengths: where slip starts does not depend on the model, and there the tangential force is the
 /// coefficient times the normal force.
+/// The force was bounded already, but the contact told a stiffness of NaN or infinity on to the record.
+#[test]
+fn the_contact_tells_no_stiffness_that_is_none() {
+    let mut scene = plate(ForceModel::Linear, None);
+    for (stated, felt) in [
+        (f64::NAN, 0.0),
+        (-1.0, 0.0),
+        (f64::NEG_INFINITY, 0.0),
+        (f64::INFINITY, 1e9),
+        (1e300, 1e9),
+    ] {
+        let per_vertex = vec![stated; scene.surface.positions().len()];
+        for stiffness in [
+            Stiffness::Uniform(stated),
+            Stiffness::PerVertex(per_vertex.into()),
+        ] {
+            scene.stiffness = stiffness;
+            let hip = Hip::from(Vec3::new(0.3, 0.2, -3.0));
+            let c = advance(&scene, &mut free_above(), hip);
+            assert_eq!(c.stiffness_n_per_mm, felt, "{stated}");
+            assert_eq!(c.force_n, Vec3::Z * (felt * c.depth_mm), "{stated}");
+        }
+    }
+}
+
 #[test]
 fn slip_starts_at_the_same_place_under_every_model() {
     for &model in ForceModel::all() {

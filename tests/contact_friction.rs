@@ -219,6 +219,27 @@ proptest! {
     }
 }
 
+/// A looseness of 5e-324 was a stiffness along the skin of infinity, and its product with no pull at all NaN.
+#[test]
+fn no_looseness_makes_a_force_that_is_not_finite() {
+    for looseness in [f64::from_bits(1), 1e-300, 1e300, f64::MAX] {
+        for coefficient in [0.0, f64::from_bits(1), 1.0, 1e300] {
+            let friction = Friction {
+                static_coefficient: coefficient,
+                dynamic_coefficient: coefficient,
+                skin_looseness: looseness,
+            };
+            let scene = scene(plane(), Some(friction));
+            let mut state = free_at(Vec3::Z);
+            for hip in [Vec3::new(3.0, 1.0, -2.0), Vec3::new(-4.0, 2.0, -1.0)] {
+                let c = advance(&scene, &mut state, hip);
+                assert!(c.force_n.is_finite() && c.anchor_mm.is_finite(), "{c:?}");
+                assert!((c.force_n.z + K * hip.z).abs() < 1e-6, "{c:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn the_anchor_of_a_device_follows_from_position_and_force() {
     let (foot, hip) = (Vec3::new(1.0, 2.0, 3.0), Vec3::new(1.0, 2.0, -1.0));

@@ -167,9 +167,14 @@ fn positive(x: f64) -> f64 {
     if x > 0.0 { x } else { 0.0 }
 }
 
+/// A stiffness within what a model is asked, N/mm; what is none counts as 0.
+pub(super) fn sound_stiffness(stiffness_n_per_mm: f64) -> f64 {
+    positive(stiffness_n_per_mm).min(MOST_STIFFNESS_N_PER_MM)
+}
+
 fn bounded(stiffness_n_per_mm: f64, depth_mm: f64) -> (f64, f64) {
     (
-        positive(stiffness_n_per_mm).min(MOST_STIFFNESS_N_PER_MM),
+        sound_stiffness(stiffness_n_per_mm),
         positive(depth_mm).min(MOST_DEPTH_MM),
     )
 }

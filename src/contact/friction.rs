@@ -4,6 +4,10 @@
 use super::Friction;
 use crate::geom::Vec3;
 
+/// Largest coefficient and looseness, and one over the smallest looseness: beyond, the cone or the stiffness along the skin
+/// would overflow.
+const MOST: f64 = 1.0e9;
+
 /// The friction cone in lengths: slip starts where |P − A| exceeds `starting` times the depth and goes on at `moving`
 /// times the depth. Both zero without friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,10 +27,11 @@ impl Cone {
                 looseness: 1.0,
             };
         };
-        let looseness = positive_or(f.skin_looseness, 1.0);
-        let moving = positive_or(f.dynamic_coefficient, 0.0) * looseness;
+        let looseness = positive_or(f.skin_looseness, 1.0).clamp(1.0 / MOST, MOST);
+        let coefficient = |x: f64| positive_or(x, 0.0).min(MOST);
+        let moving = coefficient(f.dynamic_coefficient) * looseness;
         Self {
-            starting: (positive_or(f.static_coefficient, 0.0) * looseness).max(moving),
+            starting: (coefficient(f.static_coefficient) * looseness).max(moving),
             moving,
             looseness,
         }

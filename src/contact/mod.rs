@@ -24,6 +24,9 @@ pub use proxy::FARTHEST_MM;
 use published::Published;
 pub use shading::{Guard, Shading};
 
+/// Smallest finger pad, mm.
+const LEAST_PAD_MM: f64 = 1.0e-6;
+
 /// Everything the servo needs to know of a scene to feel it. Immutable while in use.
 #[derive(Clone, Debug)]
 pub struct TouchScene {
@@ -60,10 +63,11 @@ pub struct Choices {
 }
 
 impl Choices {
-    /// Radius of the finger pad, mm, where the finger is not a point.
+    /// Radius of the finger pad, mm, where the finger is not a point. Below a nanometre a pad is one: no step of it, which
+    /// is shorter than its radius, would lead anywhere.
     pub fn pad_mm(&self) -> Option<f64> {
         let r = self.finger_radius_mm;
-        (r > 0.0 && r <= FARTHEST_MM).then_some(r)
+        (r >= LEAST_PAD_MM && r <= FARTHEST_MM).then_some(r)
     }
 }
 
@@ -120,12 +124,12 @@ impl TouchScene {
     }
 
     /// Stiffness that is felt at a point of a triangle with the given corners, N/mm: on the way from the one before an edit
-    /// to the one after it, both in their shares.
+    /// to the one after it, both in their shares. What is no stiffness counts as 0, what is absurdly stiff as 1e9 N/mm.
     pub fn stiffness_at(&self, corners: [u32; 3], barycentric: [f64; 3]) -> f64 {
-        let after = self.stiffness.at(corners, barycentric);
+        let after = force::sound_stiffness(self.stiffness.at(corners, barycentric));
         match &self.fading {
             Some(Fading { from, share }) if *share < 1.0 => {
-                let before = from.at(corners, barycentric);
+                let before = force::sound_stiffness(from.at(corners, barycentric));
                 before * (1.0 - share) + after * share
             }
             _ => after,

@@ -10,6 +10,7 @@
 //! side of every neighbour, however sharp the crease.
 
 use super::face::Face;
+use super::force::sound_stiffness;
 use super::friction::Cone;
 use super::pad::Pad;
 use super::walk::{Footing, Outcome, Rest, TOUCH_LIFTS, Walk};
@@ -309,7 +310,7 @@ fn witness(scene: &TouchScene, walk: &Walk, footing: Footing) -> Vec3 {
 
 fn stiffness_at(scene: &TouchScene, triangle: u32, p: Vec3) -> f64 {
     if let (super::Stiffness::Uniform(k), None) = (&scene.stiffness, &scene.fading) {
-        return *k;
+        return sound_stiffness(*k);
     }
     let at = scene.surface.triangle(triangle).closest_point(p);
     scene.stiffness_at(scene.surface.triangles()[triangle as usize], at.barycentric)
