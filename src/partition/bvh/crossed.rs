@@ -99,7 +99,7 @@ fn meet_others(
                 let shared = a.iter().filter(|v| b.contains(v)).count();
                 let meet = match shared {
                     0 => !apart(&one, &two, margin),
-                    1 => through(&one, a, &two, b) || through(&two, b, &one, a),
+                    1 => through(&one, a, &two, b, margin) || through(&two, b, &one, a, margin),
                     _ => false,
                 };
                 if meet {
@@ -111,12 +111,23 @@ fn meet_others(
 }
 
 /// Whether the edge of `two` opposite to the corner it shares with `one` goes through `one`.
-fn through(one: &Triangle, a: [u32; 3], two: &Triangle, b: [u32; 3]) -> bool {
+///
+/// Where it lies in the plane of `one`, which side of it an end is on is rounding: there the two meet where they overlap
+/// apart from that corner.
+fn through(one: &Triangle, a: [u32; 3], two: &Triangle, b: [u32; 3], margin_mm: f64) -> bool {
     let at = b.iter().position(|v| a.contains(v)).unwrap_or(0);
     let corners = [two.a, two.b, two.c];
     let (p, q) = (corners[(at + 1) % 3], corners[(at + 2) % 3]);
     let n = one.area_normal();
     let (above_p, above_q) = (n.dot(p - one.a), n.dot(q - one.a));
+    if above_p.abs().max(above_q.abs()) <= margin_mm * n.length() {
+        let off_the_corner = Triangle {
+            a: corners[at].lerp((p + q) / 2.0, 1.0 / 64.0),
+            b: p,
+            c: q,
+        };
+        return !apart(one, &off_the_corner, margin_mm);
+    }
     above_p * above_q <= 0.0 && one.crossing(p, q).is_some()
 }
 
