@@ -8,6 +8,9 @@ use crate::geom::Vec3;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+/// Farthest place that a finger is sent to, mm.
+const FAR_MM: f64 = 1.0e7;
+
 /// The hand. Unforced it is critically damped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hand {
@@ -42,15 +45,29 @@ impl Hand {
         force_n: Vec3,
         dt_s: f64,
     ) -> (Vec3, Vec3) {
-        // Accelerations in mm/s²: 1 N / 1 kg = 1000 mm/s².
-        let per_mass = 1000.0 / self.mass_kg;
-        let (k, b) = (
-            self.stiffness_n_per_mm * per_mass,
-            self.damping_n_s_per_mm * per_mass,
-        );
-        let pull = (target - position) * k + force_n * per_mass;
-        let velocity = (velocity + pull * dt_s) / (1.0 + b * dt_s + k * dt_s * dt_s);
-        (position + velocity * dt_s, velocity)
+        // 1 N is 1000 kg mm/s². Over the whole, not over the mass, so that a hand without mass is one too.
+        let (k, b) = (self.stiffness_n_per_mm, self.damping_n_s_per_mm);
+        let pull = (target - position) * k + force_n;
+        let held = self.mass_kg + 1000.0 * dt_s * (b + k * dt_s);
+        let velocity = (velocity * self.mass_kg + pull * (1000.0 * dt_s)) / held;
+        let there = position + velocity * dt_s;
+        // Nothing holds it at all, or numbers ran out: it stays.
+        if there.is_finite() && velocity.is_finite() {
+            (there, velocity)
+        } else {
+            (position, Vec3::ZERO)
+        }
+    }
+
+    /// The same hand; what is no mass, stiffness or damping counts as that of the default.
+    fn sound(self) -> Self {
+        let or = Self::default();
+        let sound = |x: f64, or: f64| if x >= 0.0 && x.is_finite() { x } else { or };
+        Self {
+            mass_kg: sound(self.mass_kg, or.mass_kg),
+            stiffness_n_per_mm: sound(self.stiffness_n_per_mm, or.stiffness_n_per_mm),
+            damping_n_s_per_mm: sound(self.damping_n_s_per_mm, or.damping_n_s_per_mm),
+        }
     }
 }
 
@@ -75,11 +92,12 @@ struct Shared {
 }
 
 impl MouseHandle {
-    /// Says where the finger is wanted, mm. A place that is not finite is ignored.
+    /// Says where the finger is wanted, mm. A place that is not finite is ignored, one beyond 10 km brought back to there.
     pub fn set(&self, target_mm: Vec3) {
         if !target_mm.is_finite() {
             return;
         }
+        let target_mm = target_mm.clamp(Vec3::splat(-FAR_MM), Vec3::splat(FAR_MM));
         let s = &self.shared;
         // One writer at a time: take the odd version or wait for the other window thread, which holds it for nanoseconds.
         let version = loop {
@@ -131,8 +149,14 @@ pub struct Mouse {
 }
 
 impl Mouse {
-    /// A mouse finger resting at `start_mm`, and the handle that moves it.
+    /// A mouse finger resting at `start_mm`, and the handle that moves it. What is no place counts as the origin, what is no
+    /// mass, stiffness or damping as that of the default hand.
     pub fn new(start_mm: Vec3, hand: Hand) -> (Self, MouseHandle) {
+        let start_mm = if start_mm.is_finite() {
+            start_mm.clamp(Vec3::splat(-FAR_MM), Vec3::splat(FAR_MM))
+        } else {
+            Vec3::ZERO
+        };
         let handle = MouseHandle {
             shared: Arc::default(),
         };
@@ -146,7 +170,7 @@ impl Mouse {
         let mouse = Self {
             capabilities,
             shared: handle.clone(),
-            hand,
+            hand: hand.sound(),
             target_mm: start_mm,
             position_mm: start_mm,
             velocity_mm_s: Vec3::ZERO,
@@ -208,6 +232,40 @@ mod tests {
         let path = settle(&mut mouse, 0.0, 500);
         assert!(path.iter().all(|r| r.position_mm.x <= 30.0 + 1e-9));
         assert!(path[499].position_mm.distance(Vec3::new(30.0, 0.0, 5.0)) < 1e-3);
+    }
+
+    /// A hand without mass divided by it; from a target of 1e308 the hand never came back.
+    #[test]
+    fn no_hand_and_no_target_makes_a_place_that_is_none() {
+        let bad = [f64::NAN, f64::INFINITY, -1.0, 0.0, 1e-300, 1e300];
+        let hand = |x: f64, i: usize| {
+            let mut values = [0.15, 1.5, 0.03];
+            values[i] = x;
+            Hand {
+                mass_kg: values[0],
+                stiffness_n_per_mm: values[1],
+                damping_n_s_per_mm: values[2],
+            }
+        };
+        let hands = bad.iter().flat_map(|&x| (0..3).map(move |i| (x, i)));
+        for hand in hands.map(|(x, i)| hand(x, i)).chain([hand(0.15, 0)]) {
+            let (mut mouse, handle) = Mouse::new(Vec3::splat(f64::NAN), hand);
+            for target in [1e308, -1e308, 5.0] {
+                handle.set(Vec3::splat(target));
+                for r in settle(&mut mouse, 0.5, 1500) {
+                    assert!(
+                        r.is_usable() && r.velocity_mm_s.is_finite(),
+                        "{hand:?}: {r:?}"
+                    );
+                }
+            }
+        }
+        let (mut mouse, handle) = Mouse::new(Vec3::ZERO, Hand::default());
+        for target in [1e308, 5.0] {
+            handle.set(Vec3::splat(target));
+            settle(&mut mouse, 0.0, 1500);
+        }
+        assert!(mouse.position_mm.distance(Vec3::splat(5.0)) < 1e-3);
     }
 
     #[test]

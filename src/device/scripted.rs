@@ -28,11 +28,14 @@ pub struct TrajectoryError(String);
 /// Coordinates beyond this are taken for an error in units, mm.
 const FAR_MM: f64 = 1.0e7;
 
+/// Speeds beyond this are taken for an error in units, mm/s: ten kilometres within a tick.
+const FAST_MM_S: f64 = 1.0e10;
+
 impl Trajectory {
     /// A motion through `waypoints`.
     ///
     /// # Errors
-    /// None at all, a number that is not finite or absurdly large, time that does not rise.
+    /// None at all, a number that is not finite or absurdly large, time that does not rise, a speed beyond reason.
     pub fn new(waypoints: Vec<Waypoint>) -> Result<Self, TrajectoryError> {
         if waypoints.is_empty() {
             return Err(TrajectoryError(
@@ -62,6 +65,17 @@ impl Trajectory {
                     w.time_s,
                     waypoints[i - 1].time_s
                 )));
+            }
+            if let Some(before) = i.checked_sub(1).map(|i| waypoints[i]) {
+                let way_mm = w.position_mm.distance(before.position_mm);
+                let speed_mm_s = way_mm / (w.time_s - before.time_s);
+                // Not a division of 0 by 0: times rise.
+                if speed_mm_s > FAST_MM_S {
+                    return Err(TrajectoryError(format!(
+                        "point {i}: {way_mm} mm from t = {} s to t = {} s; up to {FAST_MM_S:e} mm/s is allowed",
+                        before.time_s, w.time_s
+                    )));
+                }
             }
         }
         Ok(Self { waypoints })
@@ -252,7 +266,8 @@ impl Script {
 
     /// The motion over a surface given as height (mm) over the map plane, around `(x, y)` mm, `depth_mm` deep.
     ///
-    /// `height_mm` answers `None` where there is no skin; the motion then keeps the last height it knew.
+    /// `height_mm` answers `None` where there is no skin; the motion then keeps the last height it knew. A place or depth that
+    /// is not a number counts as 0, one beyond 2.5 km as that.
     pub fn trajectory(
         self,
         centre_mm: (f64, f64),
@@ -261,7 +276,16 @@ impl Script {
     ) -> Trajectory {
         const CLEARANCE_MM: f64 = 20.0;
         const STEP_S: f64 = 0.02;
-        let (cx, cy) = centre_mm;
+        let sound = |x: f64| {
+            if x.is_nan() {
+                0.0
+            } else {
+                x.clamp(-0.25 * FAR_MM, 0.25 * FAR_MM)
+            }
+        };
+        let (cx, cy) = (sound(centre_mm.0), sound(centre_mm.1));
+        let depth_mm = sound(depth_mm);
+        let mut height_mm = |x, y| height_mm(x, y).filter(|z| z.abs() <= 0.25 * FAR_MM);
         let mut known_mm = height_mm(cx, cy).unwrap_or(0.0);
         let mut waypoints: Vec<Waypoint> = Vec::new();
         let steps = (self.duration_s() / STEP_S).round() as usize;
@@ -387,6 +411,45 @@ mod tests {
             (Vec3::new(1.0, 2.0, 4.0), Vec3::new(0.0, 0.0, 2.0))
         );
         assert_eq!(fingers[1].at(7.0), (Vec3::new(0.0, 0.0, 9.0), Vec3::ZERO));
+    }
+
+    /// 1 mm within 5e-324 s was a speed of infinity, and at the start infinity times 0 mm.
+    #[test]
+    fn a_speed_beyond_number_is_refused() {
+        let at = |time_s, x| Waypoint {
+            time_s,
+            position_mm: Vec3::X * x,
+        };
+        let error = Trajectory::new(vec![at(0.0, 0.0), at(5e-324, 1.0)]).expect_err("refused");
+        let told = "point 1: 1 mm from t = 0 s to t = ";
+        assert!(error.to_string().starts_with(told), "{error}");
+        assert!(
+            error.to_string().ends_with("up to 1e10 mm/s is allowed"),
+            "{error}"
+        );
+        let fast = Trajectory::new(vec![at(0.0, -1e7), at(0.002, 1e7)]).expect("allowed");
+        assert_eq!(fast.at(0.001).0.x, 0.0);
+        assert!(
+            Trajectory::new(vec![at(0.0, 1.0), at(5e-324, 1.0)]).is_ok(),
+            "at rest"
+        );
+    }
+
+    /// They led into trajectories that no file could state.
+    #[test]
+    fn scripts_at_no_place_are_at_the_origin() {
+        let bad = [f64::NAN, f64::INFINITY, 1e308];
+        for script in Script::ALL {
+            for x in bad {
+                for made in [
+                    script.trajectory((x, 0.0), 5.0, |_, _| None),
+                    script.trajectory((0.0, 0.0), x, |_, _| None),
+                    script.trajectory((0.0, 0.0), 5.0, |_, _| Some(x)),
+                ] {
+                    assert!(Trajectory::new(made.waypoints).is_ok(), "{script}, {x}");
+                }
+            }
+        }
     }
 
     #[test]
