@@ -140,7 +140,7 @@ impl Triangle {
         // Rounding can leave a sliver with no matching region above: its nearest edge or corner then.
         let (va, vb, vc) = (va.max(0.0), vb.max(0.0), vc.max(0.0));
         let sum = va + vb + vc;
-        if sum <= 0.0 || sum.is_nan() {
+        if !(sum > 0.0 && sum.is_finite()) {
             let to = [self.a, self.b, self.c].map(|q| q.distance_squared(p));
             let nearest = (0..3).fold(0, |m, i| if to[i] < to[m] { i } else { m });
             return self.corner(nearest as u8);
@@ -196,7 +196,8 @@ impl Triangle {
             return None;
         }
         let det = u + v + w;
-        if det == 0.0 {
+        // A motion so long that its products overflow crosses nothing.
+        if det == 0.0 || !det.is_finite() {
             return None;
         }
         let n = self.area_normal();
@@ -259,6 +260,24 @@ mod tests {
             }
         }
         least
+    }
+
+    /// Products that ran over made weights and places of NaN.
+    #[test]
+    fn from_farther_than_numbers_reach_the_closest_point_is_one_and_nothing_is_crossed() {
+        let t = Triangle {
+            a: Vec3::ZERO,
+            b: Vec3::X * 1e7,
+            c: Vec3::Y * 1e7,
+        };
+        for p in [1e308, 1e160, f64::INFINITY, f64::NAN].map(|x| Vec3::new(x, 1.0, x)) {
+            let at = t.closest_point(p);
+            assert!(at.point.is_finite() && at.barycentric.iter().all(|w| w.is_finite()));
+            let hit = t.crossing(p, -p);
+            assert!(
+                hit.is_none_or(|h| h.t.is_finite() && h.barycentric.iter().all(|w| w.is_finite()))
+            );
+        }
     }
 
     proptest! {

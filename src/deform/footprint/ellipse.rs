@@ -38,6 +38,7 @@ impl Ellipse {
         };
         let sound = half_major_mm > 0.0
             && half_minor_mm > 0.0
+            && angle_rad.is_finite()
             && normal != Vec3::ZERO
             && centre_mm.is_finite()
             && ellipse.major_per_mm.is_finite()
@@ -120,6 +121,13 @@ mod tests {
     use crate::deform::footprint::tests::{agrees_with_its_points, unit};
     use proptest::prelude::*;
     use std::f64::consts::FRAC_PI_2;
+
+    #[test]
+    fn an_angle_that_is_none_has_no_ellipse() {
+        for angle in [f64::NAN, f64::INFINITY] {
+            assert_eq!(Ellipse::new(Vec3::ZERO, Vec3::Z, 5.0, 4.0, angle), None);
+        }
+    }
 
     proptest! {
         #[test]

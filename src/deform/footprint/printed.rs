@@ -90,7 +90,8 @@ impl PrintedEllipse {
         let r_sq = u * u + v * v;
         // min() turns ∞/∞ far out into ∞.
         let q = (r_sq / self.weighed(u, v, u, v).sqrt()).min(f64::INFINITY);
-        if r_sq > 0.0 { q } else { 0.0 }
+        // What is no place is outside.
+        if r_sq == 0.0 { 0.0 } else { q }
     }
 }
 
@@ -191,6 +192,14 @@ mod tests {
     use proptest::prelude::*;
 
     const TURN: f64 = 2.0 * std::f64::consts::PI;
+
+    /// It was the centre, so that places which only fill up a block were displaced, and the drawing of them panicked.
+    #[test]
+    fn what_is_no_place_is_outside() {
+        let outline = PrintedEllipse::new(Vec3::ZERO, Vec3::Z, 20.0, 10.0, 0.3).unwrap();
+        assert!(outline.ratio(Vec3::NAN) >= 1.0);
+        assert_eq!(outline.ratio(Vec3::ZERO), 0.0);
+    }
 
     proptest! {
         #[test]

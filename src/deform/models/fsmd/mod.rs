@@ -33,8 +33,8 @@ use std::sync::Arc;
 
 pub use settings::Settings;
 
-/// No coordinate of a press may be larger, mm: a kilometre off is no place on a body, and squares stay finite.
-const FARTHEST_MM: f64 = 1.0e6;
+/// No coordinate of a press may be larger, mm: ten times as far as a surface may reach, and squares stay finite.
+const FARTHEST_MM: f64 = 10.0 * crate::surface::MAX_COORDINATE_MM;
 
 /// The model with its scratch memory.
 ///
