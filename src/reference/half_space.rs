@@ -72,12 +72,15 @@ impl Dent for Disc {
         let t = r_mm.abs() / self.radius_mm;
         // In units of the middle, 2pa/E*.
         let share = if t <= 1.0 {
-            elliptic(t)[1]
+            let [k, lack] = elliptic(t);
+            k * (1.0 - lack)
         } else {
-            let [k, e] = elliptic(1.0 / t);
-            t * (e - (1.0 - 1.0 / (t * t)) * k)
+            // E − (1 − 1/t²) K, which far away would be a difference of nearly equal numbers.
+            let u = 1.0 / t;
+            let [k, lack] = elliptic(u);
+            t * k * (u * u - lack)
         };
-        d * share / FRAC_PI_2
+        d * (share / FRAC_PI_2)
     }
 
     fn force_n(&self, depth_mm: f64) -> f64 {
@@ -87,8 +90,8 @@ impl Dent for Disc {
     }
 }
 
-/// Complete elliptic integrals K and E of modulus `t` in 0 … 1, by the arithmetic–geometric mean (Abramowitz and Stegun
-/// 1964, 17.6). K is infinite at t = 1, where its factor in [`Disc`] is 0: it is kept finite.
+/// Of the complete elliptic integrals K and E of modulus `t` in 0 … 1: K and 1 − E/K, by the arithmetic–geometric mean
+/// (Abramowitz and Stegun 1964, 17.6). K is infinite at t = 1, where its factor in [`Disc`] is 0: it is kept finite.
 fn elliptic(t: f64) -> [f64; 2] {
     let (mut a, mut b, mut c) = (1.0, libm::sqrt((1.0 - t * t).max(1.0e-300)), t);
     let (mut power, mut sum) = (0.5, 0.0);
@@ -100,8 +103,7 @@ fn elliptic(t: f64) -> [f64; 2] {
         (a, b, c) = (0.5 * (a + b), libm::sqrt(a * b), 0.5 * (a - b));
         power *= 2.0;
     }
-    let k = FRAC_PI_2 / a;
-    [k, k * (1.0 - sum)]
+    [FRAC_PI_2 / a, sum]
 }
 
 /// A rigid sphere of radius R pressed in (Hertz 1882): F = 4/3 E* √R d^(3/2), the skin follows it up to a = √(R d).
@@ -135,7 +137,14 @@ impl Dent for Sphere {
             return d * (1.0 - 0.5 * t * t);
         }
         let u = 1.0 / t;
-        d / PI * ((2.0 - t * t) * libm::asin(u) + t * libm::sqrt(1.0 - u * u))
+        let share = if u < 0.03 {
+            // Its series: far away the terms below would cancel to nothing but rounding.
+            let v = u * u;
+            u * (4.0 / 3.0 + v * (2.0 / 15.0 + v * (3.0 / 70.0 + v * (5.0 / 252.0))))
+        } else {
+            (2.0 - t * t) * libm::asin(u) + t * libm::sqrt(1.0 - u * u)
+        };
+        d / PI * share
     }
 
     fn force_n(&self, depth_mm: f64) -> f64 {
@@ -179,6 +188,33 @@ mod tests {
             "half as deep at its edge"
         );
         assert!((dent.at_mm(2.0, 4.0 + 1e-9) - 1.0).abs() < 1e-8);
+    }
+
+    /// From 100 m on the sphere was nothing but rounding, the disc from 10 km on; a depth of 5e-324 mm gave NaN.
+    #[test]
+    fn farther_off_than_anyone_asks_they_still_are() {
+        let e = Elastic::MUSCLE.plane_strain_n_per_mm2();
+        let dents: [Box<dyn Dent>; 3] = [
+            Box::new(Gaussian::new(Elastic::MUSCLE, 3.5)),
+            Box::new(Disc::new(Elastic::MUSCLE, 7.0)),
+            Box::new(Sphere::new(Elastic::MUSCLE, 8.0)),
+        ];
+        for dent in dents {
+            for depth_mm in [1e-9, 1.0] {
+                for r_mm in [1e5, 1e7, 1e9] {
+                    let point = dent.force_n(depth_mm) / (PI * e * r_mm);
+                    let share = dent.at_mm(depth_mm, r_mm) / point;
+                    assert!((share - 1.0).abs() < 1e-8, "{}: {share}", dent.name());
+                }
+            }
+            let least = dent.at_mm(5e-324, 3.0);
+            assert!((0.0..=5e-324).contains(&least), "{}: {least}", dent.name());
+        }
+        // On both sides of where the series takes over.
+        let sphere = Sphere::new(Elastic::MUSCLE, 8.0);
+        let edge_mm = 4.0 / 0.03;
+        let [near, far] = [1.0 - 1e-9, 1.0 + 1e-9].map(|s| sphere.at_mm(2.0, edge_mm * s) * s);
+        assert!((near / far - 1.0).abs() < 1e-11, "{near} and {far}");
     }
 
     /// Far off every load is a point: u = F / (π E* r) (Boussinesq).

@@ -57,7 +57,7 @@ impl Dent for Bonded {
         let i = place as usize;
         let n = self.shares.len();
         match depth(depth_mm) {
-            Some(d) if place.is_finite() && i + 2 < n => {
+            Some(d) if place < (n - 2) as f64 => {
                 let t = place - i as f64;
                 // Even in r: the entry before the first is the second.
                 let before = self.shares[i.abs_diff(1).min(n - 1)];
@@ -133,6 +133,16 @@ mod tests {
             let here = 3.0 / layer.force_n(1.0);
             assert!((here - depth_mm).abs() < 0.5e-3, "h {h}: {here}");
             assert!((layer.force_n(1.0) - stiffness).abs() < 0.5e-3, "h {h}");
+        }
+    }
+
+    /// Past the last number that counts entries it panicked.
+    #[test]
+    fn beyond_its_table_a_layer_is_at_rest() {
+        let layer = Bonded::new(Elastic::MUSCLE, 3.5, 5.0);
+        for r_mm in [61.0, 1e18, 1e300, f64::MAX, f64::INFINITY, f64::NAN] {
+            assert_eq!(layer.at_mm(1.0, r_mm), 0.0, "{r_mm}");
+            assert_eq!(layer.at_mm(1.0, -r_mm), 0.0, "{r_mm}");
         }
     }
 

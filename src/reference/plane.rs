@@ -18,11 +18,13 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// The plane at the anchor of a press, `None` where that is no place or no triangle.
+    /// The plane at the anchor of a press, `None` where any of it is no number, or there is no such triangle.
     pub fn of(press: &Press, surface: &Surface) -> Option<Self> {
         let normal = unit_or(press.normal, Vec3::ZERO);
         let sound = normal != Vec3::ZERO
             && press.anchor_mm.is_finite()
+            && press.foot_mm.is_finite()
+            && press.depth_mm.is_finite()
             && (press.triangle as usize) < surface.triangles().len();
         sound.then(|| Self::at(press.anchor_mm, normal))
     }

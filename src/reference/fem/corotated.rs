@@ -48,6 +48,9 @@ impl Corotated {
     /// # Errors
     /// A folded brick, an incompressible material (ν = 0.5).
     pub fn new(slab: Slab, material: Elastic, sides: [Fixed; 4]) -> Result<Self, SolveError> {
+        if !material.bulk_n_per_mm2().is_finite() {
+            return Err(SolveError::Incompressible);
+        }
         let mut n_unknowns = 0;
         let unknowns = (0..slab.nodes_mm().len())
             .map(|node| {

@@ -34,6 +34,11 @@ pub enum SolveError {
     /// The mesh.
     #[error(transparent)]
     Slab(#[from] SlabError),
+    /// The material.
+    #[error(
+        "finite elements need a Poisson's ratio below 0.5; 0.4999 is as good as incompressible"
+    )]
+    Incompressible,
     /// The matrix.
     #[error("the stiffness matrix of {n} unknowns cannot be factored: {why}")]
     Factor {
@@ -50,6 +55,9 @@ impl Linear {
     /// # Errors
     /// A folded brick, an incompressible material (ν = 0.5), or too little memory for the factor.
     pub fn new(slab: Slab, material: Elastic, sides: [Fixed; 4]) -> Result<Self, SolveError> {
+        if !material.bulk_n_per_mm2().is_finite() {
+            return Err(SolveError::Incompressible);
+        }
         let mut n_unknowns = 0;
         let unknowns: Vec<[Option<usize>; 3]> = (0..slab.nodes_mm().len())
             .map(|node| {
@@ -224,6 +232,15 @@ mod tests {
 
     const DEVIATION_MM: f64 = 7.0;
     const QUARTER: [Fixed; 4] = [Fixed::Mirror, Fixed::Held, Fixed::Mirror, Fixed::Held];
+
+    /// It said that the slab was folded.
+    #[test]
+    fn an_incompressible_material_is_refused_by_its_name() {
+        let material = Elastic::new(25.0, 0.5).unwrap();
+        let slab = Slab::flat(&[0.0, 1.0], &[0.0, 1.0], &[0.0, 1.0], 1.0).unwrap();
+        let refused = Linear::new(slab, material, [Fixed::Mirror; 4]).err();
+        assert_eq!(refused, Some(SolveError::Incompressible));
+    }
 
     /// Patch test: a block pulled evenly on its skin stretches evenly, whatever its bricks look like.
     #[test]

@@ -35,8 +35,11 @@ impl<'a> Motion<'a> {
         }
     }
 
-    /// An explicit step: stable below [`explicit_limit_s`].
+    /// An explicit step: stable below [`explicit_limit_s`]. A step that is not positive and finite does nothing.
     pub fn step_explicit(&mut self, forces_n: &[(usize, Vec3)], dt_s: f64) {
+        if !(dt_s > 0.0 && dt_s.is_finite()) {
+            return;
+        }
         let left = left_over(self.lattice, &self.at_mm, forces_n, &mut self.scratch);
         let kept = 1.0 / (1.0 + self.damping_per_s * dt_s);
         let points = self.at_mm.iter_mut().zip(&mut self.velocity_mm_s);
@@ -48,7 +51,8 @@ impl<'a> Motion<'a> {
         }
     }
 
-    /// An implicit step: stable at any length, but the longer the more it damps.
+    /// An implicit step: stable at any length, but the longer the more it damps. One that is not positive and finite, or so
+    /// short that mass over its square is no number, does nothing.
     ///
     /// # Errors
     /// A matrix that cannot be factored.
@@ -59,6 +63,9 @@ impl<'a> Motion<'a> {
     ) -> Result<(), SolveError> {
         // (M/dt² + D/dt + K) Δx = f + M v / dt.
         let inertia = (1.0 + self.damping_per_s * dt_s) / (dt_s * dt_s);
+        if !(dt_s > 0.0 && dt_s.is_finite() && inertia.is_finite()) {
+            return Ok(());
+        }
         let mut right = left_over(self.lattice, &self.at_mm, forces_n, &mut self.scratch);
         for ((r, v), (mass, free)) in right
             .iter_mut()

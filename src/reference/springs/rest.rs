@@ -69,12 +69,18 @@ impl Systems {
             let [a, b] = s.ends.map(|n| n as usize);
             let along = at_mm[b] - at_mm[a];
             let length = along.length();
-            if length <= 0.0 {
-                continue;
-            }
-            let d = along / length;
+            // A spring of no length has no direction. It keeps its places in the matrix, whose pattern is factored once.
+            let d = if length > 0.0 {
+                along / length
+            } else {
+                Vec3::ZERO
+            };
             // A shortened spring would push its ends aside: left out, so that the matrix stays positive.
-            let across = (1.0 - s.length_mm / length).max(0.0);
+            let across = if length > 0.0 {
+                (1.0 - s.length_mm / length).max(0.0)
+            } else {
+                0.0
+            };
             let block = |i: usize, j: usize| {
                 let same = if i == j { across } else { 0.0 };
                 s.stiffness_n_per_mm * (same + (1.0 - across) * d[i] * d[j])
@@ -225,6 +231,17 @@ pub(super) mod tests {
                 * (force_n / (2.0 * PI * s * s) * libm::exp(-at.length_squared() / (2.0 * s * s)))
         };
         skin_forces(slab, pressure)
+    }
+
+    /// The pattern of the matrix is looked at once; a spring that has lost its length must not change it. It panicked.
+    #[test]
+    fn a_spring_of_no_length_keeps_its_place_in_the_matrix() {
+        let slab = quarter(2);
+        let mut lattice = Lattice::new(&slab, Elastic::MUSCLE, SIDES).unwrap();
+        let ends = lattice.springs[0].ends.map(|n| n as usize);
+        lattice.rest_mm[ends[0]] = lattice.rest_mm[ends[1]];
+        let found = rest(&lattice, &press(&slab, 0.1)).unwrap();
+        assert!(found.displacements_mm.iter().all(|u| u.is_finite()));
     }
 
     /// A lattice of cubes is the body with ν = 1/4: under a small force both are dented alike, the more so the finer.

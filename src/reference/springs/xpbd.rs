@@ -31,8 +31,12 @@ impl<'a> Xpbd<'a> {
         }
     }
 
-    /// One step in time with `iterations` sweeps over the springs. Stable at any step; too few sweeps make it too soft.
+    /// One step in time with `iterations` sweeps over the springs. Stable at any step; too few sweeps make it too soft. A
+    /// step that is not positive and finite, or so short that its square is nothing, does nothing.
     pub fn step(&mut self, forces_n: &[(usize, Vec3)], dt_s: f64, iterations: usize) {
+        if !(dt_s > 0.0 && dt_s.is_finite() && dt_s * dt_s > 0.0) {
+            return;
+        }
         let lattice = self.lattice;
         let kept = 1.0 / (1.0 + self.damping_per_s * dt_s);
         self.before_mm.clone_from(&self.at_mm);
