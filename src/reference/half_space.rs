@@ -78,7 +78,7 @@ impl Dent for Disc {
             // E − (1 − 1/t²) K, which far away would be a difference of nearly equal numbers.
             let u = 1.0 / t;
             let [k, lack] = elliptic(u);
-            t * k * (u * u - lack)
+            k * (t * (u * u - lack))
         };
         d * (share / FRAC_PI_2)
     }

@@ -38,6 +38,8 @@ impl Ellipse {
         };
         let sound = half_major_mm > 0.0
             && half_minor_mm > 0.0
+            && half_major_mm.is_finite()
+            && half_minor_mm.is_finite()
             && angle_rad.is_finite()
             && normal != Vec3::ZERO
             && centre_mm.is_finite()
@@ -123,9 +125,12 @@ mod tests {
     use std::f64::consts::FRAC_PI_2;
 
     #[test]
-    fn an_angle_that_is_none_has_no_ellipse() {
-        for angle in [f64::NAN, f64::INFINITY] {
-            assert_eq!(Ellipse::new(Vec3::ZERO, Vec3::Z, 5.0, 4.0, angle), None);
+    fn angles_and_axes_that_are_none_have_no_ellipse() {
+        for bad in [f64::NAN, f64::INFINITY] {
+            for (major, minor, angle) in [(5.0, 4.0, bad), (bad, 4.0, 0.3), (5.0, bad, 0.3)] {
+                let made = Ellipse::new(Vec3::ZERO, Vec3::Z, major, minor, angle);
+                assert_eq!(made, None, "{major} × {minor}, {angle}");
+            }
         }
     }
 
