@@ -40,6 +40,47 @@ fn assert_refused(folder: &Path, arguments: &[&str], told: &str) {
     assert!(output.stdout.is_empty());
 }
 
+/// The extreme numbers of the lab (`stability-extremes`) at the one door that it cannot reach.
+#[test]
+fn numbers_that_are_none_are_refused_by_every_command() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("p.csv"), "x,y\nnan,0\n").expect("written");
+    std::fs::write(folder.path().join("t.csv"), "t,x,y,z\n0,1e400,0,0\n").expect("written");
+    let of = |x: &str| {
+        [
+            ("run FIRST.toml --fast --script press --rate {}", x),
+            ("run FIRST.toml --fast --script press --depth {}", x),
+            ("run FIRST.toml --fast --script press --at {},0", x),
+            ("run FIRST.toml --fast --script press --at 0,{}", x),
+            ("deform FIRST.toml --press {},0,5", x),
+            ("deform FIRST.toml --press 0,0,{}", x),
+            ("deform FIRST.toml --press 0,0,5,{},0", x),
+            ("partition back:900 --probe 0,{},0", x),
+            ("partition back:900 --hdb-edge {}", x),
+            ("partition back:900 --threshold {}", x),
+            ("partition back:{}", x),
+            ("mesh make --triangles {} --out m.ply", x),
+            ("lab partition-complexity --triangles {}", x),
+        ]
+        .map(|(line, x)| line.replace("{}", x))
+    };
+    let lines = ["nan", "inf", "-inf", "1e400", "-1e400"]
+        .into_iter()
+        .flat_map(of);
+    let files = [
+        "map FIRST.toml --at p.csv",
+        "run FIRST.toml --fast --path t.csv",
+    ];
+    for line in lines.chain(files.map(str::to_owned)) {
+        let arguments: Vec<&str> = line.split(' ').collect();
+        let output = dorsum(folder.path(), &arguments);
+        let error = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{line}: {error}");
+        assert_eq!(error.trim_end().lines().count(), 1, "{line}: {error}");
+        assert!(output.stdout.is_empty(), "{line}");
+    }
+}
+
 const EXAMPLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/scenarios/FIRST.toml");
 
 #[test]
