@@ -67,7 +67,7 @@ impl Choices {
     /// is shorter than its radius, would lead anywhere.
     pub fn pad_mm(&self) -> Option<f64> {
         let r = self.finger_radius_mm;
-        (r >= LEAST_PAD_MM && r <= FARTHEST_MM).then_some(r)
+        (LEAST_PAD_MM..=FARTHEST_MM).contains(&r).then_some(r)
     }
 }
 

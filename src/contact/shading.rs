@@ -241,10 +241,14 @@ impl Guard {
         let put_in = -0.5 * (self.force_n + force).dot(hip - self.hip_mm);
         let stored = model.energy_mj(k, depth);
         let credit = self.credit_mj + put_in - (stored - model.energy_mj(k, self.felt_depth_mm));
+        // A record that holds what is none must not be carried on for ever.
+        if !credit.is_finite() {
+            return (1.0, 0.0);
+        }
         if credit >= 0.0 {
             return (1.0, credit);
         }
-        if stored <= 0.0 || credit.is_nan() {
+        if stored <= 0.0 {
             return (1.0, 0.0);
         }
         // F(d)/d does not fall with depth in any model, so energy grows at least as the square.
