@@ -4,6 +4,10 @@ use crate::deform::Press;
 use crate::geom::{Vec2, Vec3, any_tangent, unit_or};
 use crate::surface::Surface;
 
+/// No coordinate or depth of a press may be larger, mm: ten times as far as a surface may reach, and the products that
+/// normals are made of stay finite.
+const FARTHEST_MM: f64 = 10.0 * crate::surface::MAX_COORDINATE_MM;
+
 /// The tangent plane of a press.
 #[derive(Clone, Copy, Debug)]
 pub struct Plane {
@@ -18,13 +22,17 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// The plane at the anchor of a press, `None` where any of it is no number, or there is no such triangle.
+    /// The plane at the anchor of a press, `None` where any of it is no number or out of reach, or there is no such triangle.
     pub fn of(press: &Press, surface: &Surface) -> Option<Self> {
         let normal = unit_or(press.normal, Vec3::ZERO);
+        // Also false for NaN.
+        let near = |x: f64| x <= FARTHEST_MM;
         let sound = normal != Vec3::ZERO
+            && near(press.anchor_mm.abs().max_element())
+            && near(press.foot_mm.abs().max_element())
             && press.anchor_mm.is_finite()
             && press.foot_mm.is_finite()
-            && press.depth_mm.is_finite()
+            && near(press.depth_mm.abs())
             && (press.triangle as usize) < surface.triangles().len();
         sound.then(|| Self::at(press.anchor_mm, normal))
     }

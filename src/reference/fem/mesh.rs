@@ -176,7 +176,8 @@ impl Slab {
 /// `n` + 1 places from 0 to `end` at equal steps of t in (e^(βt) − 1), whose spacing grows e^β = `growth` ≥ 1 times from
 /// first to last: the places of 2n hold those of n. A growth outside 1 … 1e6 is brought within; what is no number counts as 1.
 pub fn graded(n: usize, end: f64, growth: f64) -> Vec<f64> {
-    let beta = libm::log(growth.max(1.0).min(1.0e6));
+    let growth = if growth > 1.0 { growth.min(1.0e6) } else { 1.0 };
+    let beta = libm::log(growth);
     let n = n.max(1);
     let place = |i: usize| {
         let t = i as f64 / n as f64;
