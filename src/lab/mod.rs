@@ -54,6 +54,8 @@ pub fn all() -> &'static [&'static dyn Experiment] {
         &pruning::Live,
         &stability::StabilityBorder,
         &stability::StabilityController,
+        &stability::Extremes,
+        &stability::Integrators,
     ]
 }
 
