@@ -301,12 +301,17 @@ fn tell_runs(run: &Run, report: &mut Report, watch: &mut Watch<'_>) -> Result<()
     );
     let (mut off_curves, mut work_curves) = (Vec::new(), Vec::new());
     let mut same = None;
+    let n = ways.len() as f64;
     for (i, (name, engine, every)) in ways.into_iter().enumerate() {
-        watch.at(name, i as f64 / ways.len() as f64)?;
+        let share = i as f64 / n;
+        watch.at(name, share)?;
         let touch = match i {
             // As it was recorded, whatever the engine.
             0 => run.scene.touch.clone(),
-            _ => felt::touch(&run.scene, engine, watch)?,
+            _ => {
+                let mut part = watch.part(share, share + 1.0 / n);
+                felt::touch(&run.scene, engine, &mut part)?
+            }
         };
         let felt_n = run.again(&touch, every);
         let off: Vec<f64> = (0..felt_n.len())
