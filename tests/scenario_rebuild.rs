@@ -37,6 +37,7 @@ const DRAWN: Use = Use {
     coloured: false,
     ellipse_edited: false,
     stiffness_edited: false,
+    passivity: false,
 };
 
 fn parsed(text: &str) -> Arc<Scenario> {

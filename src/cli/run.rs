@@ -96,6 +96,7 @@ pub fn run(args: &RunArgs, json: bool) -> Result<Outcome, CliError> {
     let purpose = Use {
         fingers: 1,
         recorded: args.record.is_some(),
+        passivity: args.passivity,
         ..Use::default()
     };
     let scene = build_scene(load_scenario(&args.scenario)?, purpose)?;

@@ -177,15 +177,16 @@ pub fn build(
 }
 
 /// Parts that are a few numbers in the scene, which has room for them whether they are wanted or not.
-const IN_THE_SCENE: [Item; 4] = [
+const IN_THE_SCENE: [Item; 5] = [
     Item::Friction,
     Item::ForceModel,
     Item::FingerPad,
     Item::ForceShading,
+    Item::Passivity,
 ];
 
 /// Parts that an edit of the maps leaves as they are.
-const KEPT: [Item; 7] = [
+const KEPT: [Item; 8] = [
     Item::Surface,
     Item::Search,
     Item::Published,
@@ -193,6 +194,7 @@ const KEPT: [Item; 7] = [
     Item::ForceModel,
     Item::FingerPad,
     Item::ForceShading,
+    Item::Passivity,
 ];
 
 /// The scene of an edited scenario: shares with `old` all that the edit leaves as it is, and builds only what it changes.

@@ -27,6 +27,8 @@ pub struct Use {
     pub ellipse_edited: bool,
     /// The Stiffness map panel is open.
     pub stiffness_edited: bool,
+    /// The passivity controller is on.
+    pub passivity: bool,
 }
 
 /// A part that a scene may need.
@@ -50,6 +52,8 @@ pub enum Item {
     FingerPad,
     /// The force of the smooth surface that a mesh stands for.
     ForceShading,
+    /// What holds back energy that the skin would give out.
+    Passivity,
     /// Per-vertex displacement and normals of the drawn skin.
     Deformation,
     /// Its tangential half.
@@ -76,7 +80,7 @@ pub enum Item {
 
 impl Item {
     /// Every part, in the order of the ledger.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::Surface,
         Self::Search,
         Self::StiffnessField,
@@ -86,6 +90,7 @@ impl Item {
         Self::ForceModel,
         Self::FingerPad,
         Self::ForceShading,
+        Self::Passivity,
         Self::Deformation,
         Self::TangentialField,
         Self::Bones,
@@ -111,6 +116,7 @@ impl Item {
             Self::ForceModel => "Force model",
             Self::FingerPad => "Finger pad",
             Self::ForceShading => "Force shading",
+            Self::Passivity => "Passivity controller",
             Self::Deformation => "Deformation",
             Self::TangentialField => "Tangential field",
             Self::Bones => "Bones",
@@ -186,6 +192,11 @@ impl Item {
                 scenario.choices.shaded,
                 "[contact] shading",
                 "forces are those of the facets",
+            ),
+            Self::Passivity => choose(
+                purpose.passivity,
+                "--passivity",
+                "forces are those of the contact",
             ),
             Self::Deformation => {
                 let by = if purpose.drawn {

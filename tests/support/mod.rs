@@ -41,6 +41,7 @@ pub fn scene() -> Arc<Scene> {
                 coloured: false,
                 ellipse_edited: false,
                 stiffness_edited: false,
+                passivity: false,
             };
             let scene = scenario::build(Arc::new(scenario), purpose, &mut |_, _| true);
             Arc::new(scene.unwrap())

@@ -50,6 +50,7 @@ const PURPOSE: Use = Use {
     partitioned: false,
     ellipse_edited: false,
     stiffness_edited: false,
+    passivity: false,
     coloured: false,
 };
 

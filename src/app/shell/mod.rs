@@ -78,6 +78,7 @@ impl Shared {
             coloured: view.parts.has(Item::SurfaceColour),
             ellipse_edited: view.parts.has(Item::EllipseEditor),
             stiffness_edited: view.parts.has(Item::StiffnessEditor),
+            passivity: false,
         };
         view
     }
