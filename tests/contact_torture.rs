@@ -207,3 +207,47 @@ fn where_a_valley_runs_out_at_the_rim_the_finger_comes_free() {
         }
     }
 }
+
+/// Where two bodies cross, a finger that both sides stop slides in the crease between them, round the corners of either. It
+/// once stood on the very line where the next sheet began and was taken to be behind that.
+#[test]
+fn along_the_crease_of_crossing_bodies_no_finger_that_both_sides_stop_changes_sides() {
+    for seed in 1..5 {
+        for case in all(seed) {
+            if !["crossing spheres", "boxes in and on a box"].contains(&case.name) {
+                continue;
+            }
+            let (surface, _) = Surface::new(case.mesh.clone()).expect("usable");
+            let surface = Arc::new(surface);
+            let search = Arc::new(Bvh::new(&surface));
+            let mut scene = TouchScene::new(surface, search, Stiffness::Uniform(1.0));
+            scene.choices.sides = Sides::Both;
+            let mut stream = Stream(seed);
+            let inside = &case.path[1..];
+            let low = inside.iter().copied().fold(Vec3::INFINITY, Vec3::min);
+            let high = inside.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
+            let (mut at, mut goal) = (case.path[0], case.path[0]);
+            let mut state = ContactState {
+                proxy_mm: at,
+                ..ContactState::default()
+            };
+            for tick in 0..3_000 {
+                if at == goal {
+                    goal = (low + high) / 2.0 + stream.vector() * (high - low) / 2.0;
+                }
+                let way = goal - at;
+                at += way * (1.0 / way.length()).min(1.0);
+                if way.length() <= 1.0 {
+                    at = goal;
+                }
+                let contact = advance(&scene, &mut state, at);
+                let through_mm = case.truth.depth_mm(contact.anchor_mm);
+                let name = case.name;
+                assert!(
+                    through_mm < 1.0e-8,
+                    "{name}, {seed}: {through_mm} mm at {tick}"
+                );
+            }
+        }
+    }
+}

@@ -55,14 +55,28 @@ impl Walk<'_> {
         let Some(other) = self.face_on(hit.triangle, !hit.inward) else {
             return Some(self.cornered(face.triangle, p));
         };
-        let line = unit_or(face.normal.cross(other.normal), Vec3::ZERO);
-        let up = line.cross(face.normal);
-        let away = up * up.dot(other.normal).signum();
-        let steep = away.dot(other.normal).max(1.0 / SHORT_LIFTS);
-        let back = away * (SHORT_LIFTS * self.lift / steep);
+        let back = self.clear_of(face, &other);
         let triangle = self.surface.triangle(face.triangle);
         let q = triangle.closest_point(hit.point + back).point;
         Some(Step::Slip(At::crease(face, &other, q)))
+    }
+
+    /// The step over `on` that leads from the line where it meets `other` clear of that.
+    fn clear_of(&self, on: &Face, other: &Face) -> Vec3 {
+        let line = unit_or(on.normal.cross(other.normal), Vec3::ZERO);
+        let up = line.cross(on.normal);
+        let away = up * up.dot(other.normal).signum();
+        let steep = away.dot(other.normal).max(1.0 / SHORT_LIFTS);
+        away * (SHORT_LIFTS * self.lift / steep)
+    }
+
+    /// The same where a proxy must not stand on two sheets, since both sides of each stop it.
+    fn clear_where_both_stop(&self, on: &Face, other: &Face, q: Vec3) -> Vec3 {
+        let near = other.height(q) < TOUCH_LIFTS * self.lift;
+        match self.sides {
+            Sides::Both if near => self.clear_of(on, other),
+            _ => Vec3::ZERO,
+        }
     }
 
     /// On over `other`, on the side it shows.
@@ -198,7 +212,7 @@ impl Walk<'_> {
             return Step::Go(At::Face(*face, q));
         }
         if !above[1] && down.dot(outward(up_other, face.normal)) > self.lift {
-            return self.over_to(other, q);
+            return self.over_to(other, q + self.clear_where_both_stop(other, face, q));
         }
         let along = down.dot(line);
         let across_mm = down - line * along;
@@ -251,7 +265,11 @@ impl Walk<'_> {
         let next = self.surface.topology().across(leaving.triangle)[i];
         match (self.face_on(next, leaving.behind()), is_face) {
             (Some(next), true) => Step::Slip(At::crease(&next, other, end)),
-            (Some(next), false) => Step::Slip(At::crease(face, &next, end)),
+            (Some(next), false) => {
+                // Round the corner of the other sheet: it ends on the plane of the next one.
+                let clear = self.clear_where_both_stop(face, &next, end);
+                Step::Slip(At::crease(face, &next, end + clear))
+            }
             (None, false) if next == RIM => Step::Slip(At::Face(*face, end)),
             (None, true) if next == RIM => {
                 Step::End(Outcome::SlidesOff(self.footing(face.triangle, end)))
