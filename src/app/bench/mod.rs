@@ -147,7 +147,7 @@ impl Bench {
         }
     }
 
-    /// What scenes are built for now.
+    /// What a scene is built for at this moment: what is open and what is asked for.
     fn purpose(&self) -> Use {
         Use {
             drawn: self.drawn,
