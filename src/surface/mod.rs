@@ -10,6 +10,7 @@ mod edges;
 pub mod io;
 mod order;
 pub mod primitives;
+pub mod solids;
 mod topology;
 pub mod torture;
 mod validate;

@@ -79,7 +79,7 @@ impl Levels {
 }
 
 /// Name, x and y of every stored landmark, mm.
-fn stored() -> impl Iterator<Item = (&'static str, f64, f64)> {
+pub(super) fn stored() -> impl Iterator<Item = (&'static str, f64, f64)> {
     LANDMARKS_CSV
         .lines()
         .filter(|l| !l.starts_with('#'))

@@ -3,6 +3,7 @@
 //! A height field over the map plane ([`Heights`]) inside a smooth closed rim, filled with triangles that are near
 //! equilateral on the surface. Same options, same bits, on every machine.
 
+mod bones;
 mod fill;
 mod heights;
 mod landmarks;
@@ -11,6 +12,7 @@ mod rim;
 use super::RawMesh;
 use crate::geom::Vec3;
 
+pub use bones::{Bone, BoneKind, Skeleton};
 pub use heights::Heights;
 pub use landmarks::{Kind, Landmark, Side, landmark, landmarks};
 
