@@ -46,6 +46,9 @@ pub enum MapError {
         /// Their stiffnesses, N/mm.
         values: [f64; 2],
     },
+    /// A spot over the map is refused; in words.
+    #[error("{0}")]
+    Spot(String),
     /// More keys than a fit takes.
     #[error("the fit \"{fit}\" takes at most {most} keys, not {keys}; choose another fit")]
     TooManyKeys {
@@ -116,6 +119,7 @@ impl MapError {
             Self::Conflict { keys, .. } | Self::EllipseConflict { keys, .. } => Some(keys[1]),
             Self::Ellipse { key, .. } => *key,
             Self::NoKeys
+            | Self::Spot(_)
             | Self::TooManyKeys { .. }
             | Self::Unsolved { .. }
             | Self::Stroke { .. } => None,

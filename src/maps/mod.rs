@@ -12,6 +12,7 @@
 //! | [`printed`] | the dissertation's worked example and the figures to meet |
 //! | [`appendix`] | the measured ellipses of appendix C, their means and the seven keys |
 //! | [`fit`] | the functions that a stiffness map may choose from, one file each |
+//! | [`Spot`] | a place that differs from its surroundings: an ellipse with a falloff |
 //! | [`gri`] | Gaussian radial interpolation (Ji 2008, 5.2), as published and corrected: for ellipses, and one of the fits |
 //!
 //! Values are the same bits on every machine and for any number of threads.
@@ -25,6 +26,7 @@ pub mod gri;
 mod parallel;
 mod places;
 pub mod printed;
+mod spot;
 pub mod stiffness;
 
 use crate::geom::Vec2;
@@ -34,6 +36,7 @@ pub use ellipse::{AngleRule, EllipseField, EllipseKey, EllipseMap, EllipseSettin
 pub use error::MapError;
 pub use fit::Fit;
 pub use gri::{Form, Level};
+pub use spot::Spot;
 pub use stiffness::{StiffnessKey, StiffnessMap, Stroke, leave_one_out};
 
 /// Largest coordinate of a key, mm.

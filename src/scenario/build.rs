@@ -199,7 +199,7 @@ const KEPT: [Item; 8] = [
 
 /// The scene of an edited scenario: shares with `old` all that the edit leaves as it is, and builds only what it changes.
 ///
-/// An edit may change the name, the description, `[stiffness]`, `[ellipse]`, `[deformation]` and `[bones]`: what a finger in
+/// An edit may change the name, the description, `[stiffness]`, `[[dysfunction]]`, `[ellipse]`, `[deformation]` and `[bones]`: what a finger in
 /// touch can go over to without its proxy being placed anew.
 ///
 /// # Errors
@@ -216,8 +216,10 @@ pub fn rebuild(old: &Scene, scenario: Arc<Scenario>, purpose: Use) -> Result<Sce
         ledger.carry(item, &old.ledger);
     }
     let was = &old.scenario;
-    let stated = |s: &Scenario| (s.stiffness_keys.clone(), s.stiffness_fit, s.strokes.clone());
-    let same_stiffness = stated(was) == stated(&scenario);
+    let same_stiffness = was.stiffness_keys == scenario.stiffness_keys
+        && was.stiffness_fit == scenario.stiffness_fit
+        && was.strokes == scenario.strokes
+        && was.dysfunctions == scenario.dysfunctions;
     let (map, felt) = if same_stiffness {
         ledger.carry(Item::StiffnessField, &old.ledger);
         (Arc::clone(&old.stiffness), old.touch.stiffness.clone())

@@ -2,6 +2,9 @@
 
 use super::check::Check;
 use super::deformation::{BonesChoice, BonesTable, DeformationTable};
+use super::dysfunction::table::DysfunctionTable;
+use super::dysfunction::{self, Dysfunction, Patch};
+use super::edit;
 use super::feel::{ContactTable, ForceTable};
 use super::maps::{EllipseTable, StiffnessTable};
 use crate::contact::{Choices, Friction, published};
@@ -47,6 +50,8 @@ pub struct Scenario {
     pub stiffness_fit: Fit,
     /// Strokes over it, in order.
     pub strokes: Vec<Stroke>,
+    /// What is wrong with the back, in order.
+    pub dysfunctions: Vec<Dysfunction>,
     /// Keys and settings of the ellipse map; absent: the basic circle everywhere.
     pub ellipse: Option<(Vec<EllipseKey>, EllipseSettings)>,
     /// Absent: frictionless.
@@ -79,6 +84,8 @@ struct File {
     description: String,
     surface: Spanned<SurfaceTable>,
     stiffness: Spanned<StiffnessTable>,
+    #[serde(default)]
+    dysfunction: Vec<Spanned<DysfunctionTable>>,
     friction: Option<FrictionTable>,
     force: Option<ForceTable>,
     contact: Option<ContactTable>,
@@ -146,6 +153,12 @@ impl Scenario {
             (deform.half_major_mm, deform.half_minor_mm) = (radius_mm, radius_mm);
         }
         let stiffness = check.stiffness(&file.stiffness)?;
+        let dysfunctions = check.dysfunctions(
+            &file.dysfunction,
+            on_back,
+            friction.as_ref(),
+            &stiffness.map,
+        )?;
         Ok(Self {
             name: name.to_owned(),
             description: file.description.trim().to_owned(),
@@ -153,6 +166,7 @@ impl Scenario {
             stiffness_keys: stiffness.keys,
             stiffness_fit: stiffness.fit,
             strokes: stiffness.strokes,
+            dysfunctions,
             ellipse,
             friction,
             published: (file.contact.as_ref()).map_or(Ok(None), |t| check.published(t))?,
@@ -174,6 +188,39 @@ impl Scenario {
         let text = std::fs::read_to_string(path)
             .map_err(|e| ScenarioError(format!("{}: cannot be read: {e}", path.display())))?;
         Self::parse(&text, &path.display().to_string(), path.parent())
+    }
+
+    /// The same scenario with these dysfunctions in place of its own, in the source text too, whose comments stay.
+    ///
+    /// # Errors
+    /// A dysfunction has a value that is not allowed, or they cannot be together.
+    pub fn with_dysfunctions(&self, list: &[Dysfunction]) -> Result<Self, ScenarioError> {
+        let text = edit::set_dysfunctions(&self.source, list)?;
+        Self::parse(&text, edit::ORIGIN, self.folder.as_deref())
+    }
+
+    /// Whether a dysfunction does to the map plane what `wanted` looks for.
+    pub(super) fn has_patch(&self, wanted: impl Fn(&Patch) -> bool) -> bool {
+        let of = |d: &Dysfunction| d.patches().unwrap_or_default();
+        (self.dysfunctions.iter()).any(|d| of(d).iter().any(&wanted))
+    }
+
+    /// What the dysfunctions do to the map plane, in order, each with the number of its dysfunction counted from 0.
+    ///
+    /// # Errors
+    /// None for a scenario that was parsed; what a changed one has wrong otherwise.
+    pub fn patches(&self) -> Result<Vec<(usize, Patch)>, ScenarioError> {
+        if self.dysfunctions.is_empty() {
+            return Ok(Vec::new());
+        }
+        let map = self
+            .base_stiffness_map()
+            .map_err(|e| ScenarioError(e.to_string()))?;
+        dysfunction::check(&self.dysfunctions, self.friction.as_ref(), &map).map_err(|clash| {
+            let d = &self.dysfunctions[clash.index];
+            let what = clash.fault.what;
+            ScenarioError(format!("dysfunction {} ({d}): {what}", clash.index + 1))
+        })
     }
 }
 

@@ -84,14 +84,26 @@ pub(super) struct Stiffness {
     pub(super) keys: Vec<StiffnessKey>,
     pub(super) fit: Fit,
     pub(super) strokes: Vec<Stroke>,
+    /// The map that they make.
+    pub(super) map: StiffnessMap,
 }
 
 impl Scenario {
-    /// The stiffness map, with its strokes.
+    /// The stiffness map, with its strokes and what the dysfunctions make of it.
     ///
     /// # Errors
     /// None for a scenario that was parsed; what a changed one has wrong otherwise.
     pub fn stiffness_map(&self) -> Result<StiffnessMap, MapError> {
+        let patches = self.patches().map_err(|e| MapError::Spot(e.0))?;
+        let spots = patches.iter().map(|(_, p)| (&p.spot, p.stiffness_factor));
+        Ok(self.base_stiffness_map()?.with_spots(spots))
+    }
+
+    /// The stiffness map with its strokes, without the dysfunctions: what they are laid over.
+    ///
+    /// # Errors
+    /// As [`Scenario::stiffness_map`].
+    pub fn base_stiffness_map(&self) -> Result<StiffnessMap, MapError> {
         StiffnessMap::new(self.stiffness_keys.clone(), self.stiffness_fit)?
             .with_strokes(self.strokes.clone())
     }
@@ -146,13 +158,18 @@ impl Check<'_> {
             .map(|s| self.stroke(s))
             .collect::<Result<Vec<_>, _>>()?;
         // What concerns several keys is told by the map.
-        StiffnessMap::new(keys.clone(), fit)
+        let map = StiffnessMap::new(keys.clone(), fit)
             .and_then(|map| map.with_strokes(strokes.clone()))
             .map_err(|e| {
                 let span = e.key().and_then(|k| spans.get(k - 1).cloned());
                 self.fail(&span.unwrap_or_else(at_table), e.to_string())
             })?;
-        Ok(Stiffness { keys, fit, strokes })
+        Ok(Stiffness {
+            keys,
+            fit,
+            strokes,
+            map,
+        })
     }
 
     fn stiffness_key(&self, k: &KeyTable) -> Result<StiffnessKey, ScenarioError> {

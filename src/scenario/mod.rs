@@ -6,6 +6,7 @@
 mod build;
 mod check;
 mod deformation;
+pub mod dysfunction;
 pub mod edit;
 mod feel;
 mod file;
@@ -16,6 +17,10 @@ mod needs;
 
 pub use build::{BuildError, Scene, build, rebuild};
 pub use deformation::{BonesChoice, CURVE_SAMPLES};
+pub use dysfunction::{
+    Change, Dysfunction, Kind, Patch, Place, RandomSpec, Side, Site, Target, Tender,
+    VertebralLevel, random, sites,
+};
 pub use file::{FORMAT, Scenario, ScenarioError, SurfaceChoice};
 pub use library::{Example, default_example, examples};
 pub use needs::{Item, Ledger, LedgerRow, Needs, Use, Verdict};

@@ -155,6 +155,9 @@ impl Item {
                 "the production engine feels the surface",
             ),
             Self::StiffnessField if !scenario.strokes.is_empty() => Needed("strokes"),
+            Self::StiffnessField if scenario.has_patch(|p| p.stiffness_factor != 1.0) => {
+                Needed("[[dysfunction]]")
+            }
             Self::StiffnessField => {
                 let mut keys = scenario.stiffness_keys.iter();
                 let first = keys.next().map(|k| k.stiffness_n_per_mm);

@@ -1,8 +1,9 @@
-//! The stiffness map: measured keys, fitted by a continuous function, with strokes of a brush over it.
+//! The stiffness map: measured keys, fitted by a continuous function, with strokes of a brush and spots over it.
 
 mod strokes;
 
 use super::fit::{Field, Fit, Sample, TOUCHING_MM};
+use super::spot::{Placed, Spot};
 use super::{MapError, on_map, on_the_map, parallel, places};
 use crate::geom::Vec2;
 use crate::surface::Surface;
@@ -25,8 +26,8 @@ pub struct StiffnessKey {
 
 /// Stiffness over the map plane, N/mm. Positive, finite and continuous everywhere.
 ///
-/// Without strokes it stays within the range of its keys, but for [`Fit::Rbf`], which may swing beyond it by a factor of
-/// two. Strokes keep it within [`BRUSHED_N_PER_MM`].
+/// Without strokes and spots it stays within the range of its keys, but for [`Fit::Rbf`], which may swing beyond it by a
+/// factor of two. Strokes keep it within [`BRUSHED_N_PER_MM`].
 #[derive(Clone, Debug)]
 pub struct StiffnessMap {
     keys: Vec<StiffnessKey>,
@@ -34,6 +35,7 @@ pub struct StiffnessMap {
     strokes: Vec<Stroke>,
     field: Arc<dyn Field>,
     brushed: Vec<Brushed>,
+    spots: Vec<(Placed, f64)>,
     uniform: Option<f64>,
 }
 
@@ -84,6 +86,7 @@ impl StiffnessMap {
             strokes: Vec::new(),
             field,
             brushed: Vec::new(),
+            spots: Vec::new(),
             uniform,
         })
     }
@@ -99,6 +102,19 @@ impl StiffnessMap {
             .collect::<Result<_, _>>()?;
         self.strokes = strokes;
         Ok(self)
+    }
+
+    /// The same map with spots over its strokes, in place of those it had. At the centre of each the stiffness is multiplied
+    /// by its factor f, on the way to its rim by 1 + (f − 1) · M(q).
+    ///
+    /// A factor that is not positive and finite counts as 1.
+    #[must_use]
+    pub fn with_spots<'a>(mut self, spots: impl IntoIterator<Item = (&'a Spot, f64)>) -> Self {
+        let sound = |f: &f64| *f > 0.0 && f.is_finite() && *f != 1.0;
+        self.spots = (spots.into_iter().filter(|(_, f)| sound(f)))
+            .map(|(spot, factor)| (Placed::new(spot), factor - 1.0))
+            .collect();
+        self
     }
 
     /// The keys, as given.
@@ -118,7 +134,7 @@ impl StiffnessMap {
 
     /// Stiffness at a place of the map plane, N/mm.
     ///
-    /// Without strokes: at a key exactly its value ([`Fit::Constant`] apart). A coordinate that is not a number counts as 0,
+    /// Without strokes and spots: at a key exactly its value ([`Fit::Constant`] apart). A coordinate that is not a number counts as 0,
     /// one beyond 1e6 mm as 1e6 mm.
     pub fn at(&self, place: Vec2) -> f64 {
         self.reader()(place)
@@ -130,7 +146,7 @@ impl StiffnessMap {
         move |place| {
             let place = on_map(place);
             let fitted = self.uniform.unwrap_or_else(|| field.at(place));
-            self.brush(fitted, place)
+            self.spotted(self.brush(fitted, place), place)
         }
     }
 
@@ -142,6 +158,12 @@ impl StiffnessMap {
         let (least, most) = (least.min(fitted), most.max(fitted));
         self.brushed.iter().fold(fitted, |value, stroke| {
             (value * stroke.factor(place)).clamp(least, most)
+        })
+    }
+
+    fn spotted(&self, brushed: f64, place: Vec2) -> f64 {
+        self.spots.iter().fold(brushed, |value, (spot, change)| {
+            value * (1.0 + change * spot.weight(place))
         })
     }
 
@@ -163,7 +185,8 @@ impl StiffnessMap {
 
     /// The stiffness of every place where it is the same, so that no value per vertex is needed.
     pub fn uniform(&self) -> Option<f64> {
-        self.uniform.filter(|_| self.brushed.is_empty())
+        self.uniform
+            .filter(|_| self.brushed.is_empty() && self.spots.is_empty())
     }
 }
 

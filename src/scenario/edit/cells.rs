@@ -61,7 +61,7 @@ impl Cell<'_> {
 }
 
 /// 140 rather than 140.0.
-fn number(x: f64) -> Value {
+pub(super) fn number(x: f64) -> Value {
     if x.fract() == 0.0 && x.abs() < 1.0e15 && !(x == 0.0 && x.is_sign_negative()) {
         Value::from(x as i64)
     } else {

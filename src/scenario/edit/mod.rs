@@ -1,6 +1,7 @@
 //! Scenario files changed in place: what is edited is written anew, comments and all else stay as they are.
 
 mod cells;
+mod dysfunctions;
 mod rows;
 
 use super::{Scenario, ScenarioError};
@@ -10,8 +11,10 @@ use cells::Cell;
 use rows::{Row, set, set_rows};
 use toml_edit::{DocumentMut, Item, Table, TableLike};
 
+pub use dysfunctions::set_dysfunctions;
+
 /// What errors call the text.
-const ORIGIN: &str = "scenario";
+pub(super) const ORIGIN: &str = "scenario";
 
 /// `source` with these keys, fit and strokes in its `[stiffness]`.
 ///
@@ -51,7 +54,7 @@ pub fn with_stiffness(
         }
         _ => {
             let around = table.remove(CONSTANT);
-            set_rows(table, "key", &rows, true);
+            set_rows(table, "key", &rows[..], true);
             if let (Some(Item::Value(old)), Some(Item::Value(new))) = (around, table.get_mut("key"))
             {
                 *new.decor_mut() = old.decor().clone();
@@ -72,7 +75,7 @@ pub fn with_stiffness(
     if rows.is_empty() {
         table.remove("stroke");
     } else {
-        set_rows(table, "stroke", &rows, false);
+        set_rows(table, "stroke", &rows[..], false);
     }
     checked(&document)
 }
@@ -133,7 +136,7 @@ pub fn with_ellipse(
     if rows.is_empty() {
         table.remove("key");
     } else {
-        set_rows(table, "key", &rows, true);
+        set_rows(table, "key", &rows[..], true);
     }
     checked(&document)
 }

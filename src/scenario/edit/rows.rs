@@ -6,8 +6,38 @@ use toml_edit::{Array, ArrayOfTables, InlineTable, Item, Table, TableLike, Value
 /// One table of a list: its keys in order.
 pub(super) type Row<'a> = Vec<(&'static str, Cell<'a>)>;
 
+/// What a list is to hold, row by row.
+pub(super) trait NewRows {
+    /// How many rows.
+    fn len(&self) -> usize;
+    /// Whether table `old`, counted as in the file, says row `new` already.
+    fn says(&self, old: usize, table: &dyn TableLike, new: usize) -> bool;
+    /// Makes `table` say row `new`; it was table `old` of the file, if any.
+    fn write(&self, old: Option<usize>, table: &mut dyn TableLike, new: usize);
+}
+
+/// Rows given whole: a key that a row does not have is taken out.
+impl NewRows for [Row<'_>] {
+    fn len(&self) -> usize {
+        <[Row<'_>]>::len(self)
+    }
+
+    fn says(&self, _: usize, table: &dyn TableLike, new: usize) -> bool {
+        says(table, &self[new])
+    }
+
+    fn write(&self, _: Option<usize>, table: &mut dyn TableLike, new: usize) {
+        set_row(table, &self[new]);
+    }
+}
+
 /// Makes `table[key]` the list of `rows`, which are not none. A new list is written as inline tables where `inline`.
-pub(super) fn set_rows(table: &mut dyn TableLike, key: &str, rows: &[Row<'_>], inline: bool) {
+pub(super) fn set_rows<R: NewRows + ?Sized>(
+    table: &mut dyn TableLike,
+    key: &str,
+    rows: &R,
+    inline: bool,
+) {
     match table.get_mut(key) {
         Some(Item::ArrayOfTables(list)) => list_of_tables(list, rows),
         Some(Item::Value(Value::Array(array))) => {
@@ -69,24 +99,21 @@ fn says(table: &dyn TableLike, row: &Row<'_>) -> bool {
 ///
 /// As many as can be stay with a row that says the same, in order (the longest common subsequence); between two of those,
 /// the first new row takes the first old one's place, and so on.
-fn aligned<T>(
-    old: &[T],
-    rows: &[Row<'_>],
-    same: impl Fn(&T, &Row<'_>) -> bool,
-) -> Vec<Option<usize>> {
-    let front = old.iter().zip(rows).take_while(|(o, r)| same(o, r)).count();
-    let ends = old[front..].iter().rev().zip(rows[front..].iter().rev());
-    let back = ends.take_while(|(o, r)| same(o, r)).count();
-    let (n, m) = (old.len() - back - front, rows.len() - back - front);
-    let mut place: Vec<Option<usize>> = (0..rows.len()).map(|j| (j < front).then_some(j)).collect();
+fn aligned(n_old: usize, n_new: usize, same: impl Fn(usize, usize) -> bool) -> Vec<Option<usize>> {
+    let front = (0..n_old.min(n_new)).take_while(|&i| same(i, i)).count();
+    let back = (1..=(n_old - front).min(n_new - front))
+        .take_while(|&i| same(n_old - i, n_new - i))
+        .count();
+    let (n, m) = (n_old - back - front, n_new - back - front);
+    let mut place: Vec<Option<usize>> = (0..n_new).map(|j| (j < front).then_some(j)).collect();
     for i in 0..back {
-        place[rows.len() - 1 - i] = Some(old.len() - 1 - i);
+        place[n_new - 1 - i] = Some(n_old - 1 - i);
     }
     if n * m <= MOST_COMPARED {
         // longest[i][j]: of what follows old row i and new row j.
         let mut longest = vec![0_usize; (n + 1) * (m + 1)];
         let at = |i: usize, j: usize| i * (m + 1) + j;
-        let equal = |i: usize, j: usize| same(&old[front + i], &rows[front + j]);
+        let equal = |i: usize, j: usize| same(front + i, front + j);
         for i in (0..n).rev() {
             for j in (0..m).rev() {
                 longest[at(i, j)] = if equal(i, j) {
@@ -114,7 +141,7 @@ fn aligned<T>(
             Some(i) => free = i + 1,
             None => {
                 let next = place[j..].iter().flatten().next();
-                if free < next.copied().unwrap_or(old.len()) {
+                if free < next.copied().unwrap_or(n_old) {
                     place[j] = Some(free);
                     free += 1;
                 }
@@ -127,13 +154,14 @@ fn aligned<T>(
 /// Pairs of rows beyond which a list is not searched for what stayed the same: a few ms.
 const MOST_COMPARED: usize = 100_000;
 
-fn list_of_tables(list: &mut ArrayOfTables, rows: &[Row<'_>]) {
+fn list_of_tables<R: NewRows + ?Sized>(list: &mut ArrayOfTables, rows: &R) {
     let tables: Vec<Table> = list.iter().cloned().collect();
-    let place = aligned(&tables, rows, |table, row| says(table, row));
+    let same = |i: usize, j: usize| rows.says(i, &tables[i], j);
+    let place = aligned(tables.len(), rows.len(), same);
     list.clear();
-    for (row, place) in rows.iter().zip(place) {
+    for (j, place) in place.into_iter().enumerate() {
         let mut table = place.map(|i| tables[i].clone()).unwrap_or_default();
-        set_row(&mut table, row);
+        rows.write(place, &mut table, j);
         list.push(table);
     }
 }
@@ -195,23 +223,24 @@ impl Inline {
         }
     }
 
-    fn with(mut self, rows: &[Row<'_>]) -> Self {
-        let place = aligned(&self.rows, rows, |r, row| says(&r.table, row));
+    fn with<R: NewRows + ?Sized>(mut self, rows: &R) -> Self {
+        let same = |i: usize, j: usize| rows.says(i, &self.rows[i].table, j);
+        let place = aligned(self.rows.len(), rows.len(), same);
         let lead = self.new_lead();
         if self.rows.is_empty() {
             "\n".clone_into(&mut self.closing);
         }
-        self.rows = rows
-            .iter()
-            .zip(place)
-            .map(|(row, place)| {
+        self.rows = place
+            .into_iter()
+            .enumerate()
+            .map(|(j, place)| {
                 let old = place.map(|i| self.rows[i].clone());
                 let mut entry = old.unwrap_or_else(|| InlineRow {
                     lead: lead.clone(),
                     table: InlineTable::new(),
                     tail: String::new(),
                 });
-                set_row(&mut entry.table, row);
+                rows.write(place, &mut entry.table, j);
                 entry
             })
             .collect();

@@ -5,7 +5,7 @@ use crate::geom::Vec3;
 use std::sync::OnceLock;
 
 /// Vertebral levels from the neck down.
-pub(super) const LEVELS: [&str; 18] = [
+pub const LEVELS: [&str; 18] = [
     "C7", "T1", "T2", "T3", "T4", "T5", "T6", "T7", "T8", "T9", "T10", "T11", "T12", "L1", "L2",
     "L3", "L4", "L5",
 ];
@@ -30,7 +30,7 @@ pub enum Kind {
 }
 
 /// Which side of the subject.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Side {
     /// x < 0.
     Left,

@@ -14,7 +14,7 @@ use crate::geom::Vec3;
 
 pub use bones::{Bone, BoneKind, Skeleton};
 pub use heights::Heights;
-pub use landmarks::{Kind, Landmark, Side, landmark, landmarks};
+pub use landmarks::{Kind, LEVELS, Landmark, Side, landmark, landmarks};
 
 /// How the back is made. Lengths mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
