@@ -3,12 +3,14 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-use dorsum::contact::{ContactState, Stiffness, Touch, TouchScene, advance};
+use dorsum::contact::{Contact, ContactState, Friction, Stiffness, Touch, TouchScene, advance};
 use dorsum::geom::Vec3;
 use dorsum::lab::contact::{ENGINES, PLACES, SPEEDS_M_PER_S, Trial, closed_path_energy};
 use dorsum::partition::Sides;
 use dorsum::partition::bvh::Bvh;
-use dorsum::surface::torture::{Stream, Truth, all, band_place, grid, steps, twisted_band};
+use dorsum::surface::torture::{
+    Stream, Truth, all, band_place, grid, steps, twisted_band,
+};
 use dorsum::surface::{Defect, Report, Surface};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -249,5 +251,53 @@ fn along_the_crease_of_crossing_bodies_no_finger_that_both_sides_stop_changes_si
                 );
             }
         }
+    }
+}
+
+/// The scene of the torture case called `name`, with what is known of it.
+fn scene_of(name: &str, friction: f64, sides: Sides) -> (TouchScene, Truth) {
+    let case = all(1).into_iter().find(|c| c.name == name).unwrap();
+    let surface = Arc::new(Surface::new(case.mesh).unwrap().0);
+    let search = Arc::new(Bvh::new(&surface));
+    let mut scene = TouchScene::new(surface, search, Stiffness::Uniform(1.0));
+    scene.friction = (friction > 0.0).then_some(Friction {
+        static_coefficient: friction,
+        dynamic_coefficient: 0.95 * friction,
+        skin_looseness: 1.0,
+    });
+    scene.choices.sides = sides;
+    (scene, case.truth)
+}
+
+/// Takes a finger that starts free along `path`; nowhere may it be on the inner side of the body.
+fn kept_out(scene: &TouchScene, truth: &Truth, path: &[Vec3]) -> Contact {
+    let mut state = ContactState {
+        proxy_mm: path[0],
+        ..ContactState::default()
+    };
+    let mut last = Contact::default();
+    for &hip in path {
+        last = advance(scene, &mut state, hip);
+        let through_mm = truth.depth_mm(last.anchor_mm);
+        assert!(through_mm < 1.0e-9, "{path:?}: {through_mm} mm at {hip}");
+    }
+    last
+}
+
+/// A finger that friction holds on a plate just beside a box on it, and that pulls up into the box, is stopped by the box. The
+/// point it left the plate from was once taken a little towards the middle of the triangle, and so within the box.
+#[test]
+fn a_finger_held_beside_a_wall_does_not_leave_the_plate_within_it() {
+    let (scene, truth) = scene_of("boxes in and on a box", 1000.0, Sides::Front);
+    for power in 9..14 {
+        let beside = -4.0 - 10_f64.powi(-power);
+        let path = [
+            Vec3::new(0.64, beside, 12.0),
+            Vec3::new(0.64, beside, 9.0),
+            Vec3::new(-1.2, 3.1, 9.2),
+            Vec3::new(-1.1, 2.9, 10.2),
+        ];
+        let c = kept_out(&scene, &truth, &path);
+        assert_eq!(c.normal, -Vec3::Y, "{beside}: {c:?}");
     }
 }

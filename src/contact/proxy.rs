@@ -299,13 +299,15 @@ fn witness(scene: &TouchScene, walk: &Walk, footing: Footing) -> Vec3 {
     let triangle = scene.surface.triangle(footing.triangle);
     let inward = triangle.centroid() - footing.point;
     let length = inward.length();
-    let beside = walk.sides == Sides::Both && scene.search.is_crossed(footing.triangle);
-    let share = if length > 0.0 && !beside {
-        (WITNESS_LIFTS * walk.lift / length).min(0.5)
-    } else {
-        0.0
-    };
-    footing.point + inward * share + walk.out(triangle.normal()) * walk.lift
+    let share = (WITNESS_LIFTS * walk.lift / length).min(0.5);
+    let (own, out) = ([footing.triangle; 2], walk.out(triangle.normal()));
+    let aside = footing.point + inward * share;
+    let beside = length > 0.0
+        && (!scene.search.is_crossed(footing.triangle)
+            || walk.sides == Sides::Front
+                && walk.sheet_between(own, footing.point, aside, out).is_none());
+    let start = if beside { aside } else { footing.point };
+    start + out * walk.lift
 }
 
 fn stiffness_at(scene: &TouchScene, triangle: u32, p: Vec3) -> f64 {
