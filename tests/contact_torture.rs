@@ -301,3 +301,20 @@ fn a_finger_held_beside_a_wall_does_not_leave_the_plate_within_it() {
         assert_eq!(c.normal, -Vec3::Y, "{beside}: {c:?}");
     }
 }
+
+/// Down the side of a box to the plate it stands on, round the corner of the box, and on along its next side, under which an
+/// edge of the plate runs. That edge once drew a finger that both sides stop onto the very line, and so into the box.
+#[test]
+fn along_a_wall_on_an_edge_of_its_plate_no_finger_that_both_sides_stop_changes_sides() {
+    let (scene, truth) = scene_of("boxes in and on a box", 0.0, Sides::Both);
+    for rise in 0..20 {
+        let path = [
+            Vec3::new(6.2, 3.0, 14.0),
+            Vec3::new(3.645285433143578, 4.926836682835077, 5.864523909662462),
+            Vec3::new(3.06 - 0.1 * f64::from(rise), 5.47, 6.46),
+            Vec3::new(4.0, 5.5, 10.1 + 0.3 * f64::from(rise)),
+        ];
+        let c = kept_out(&scene, &truth, &path);
+        assert_eq!(c.touch, Touch::Free, "{rise}: {c:?}");
+    }
+}

@@ -289,7 +289,7 @@ impl Walk<'_> {
         }
         match exit {
             None => rest(end, true),
-            Some((_, i)) => Step::Slip(self.onto_edge(face, i, end)),
+            Some((fraction, i)) => Step::Slip(self.over_edge(face, i, end, fraction)),
         }
     }
 
@@ -325,6 +325,17 @@ impl Walk<'_> {
             At::Vertex(face.vertices[(i + 1) % 3])
         } else {
             At::Edge(*face, i, face.corners[i] + edge * along)
+        }
+    }
+
+    /// [`onto_edge`](Self::onto_edge), reached after `fraction` of the way: but a proxy that stands beyond the edge, clear of
+    /// another sheet on whose line the edge lies, stays clear of that.
+    fn over_edge(&self, face: &Face, i: usize, end: Vec3, fraction: f64) -> At {
+        let clear =
+            fraction == 0.0 && self.sides == Sides::Both && self.search.is_crossed(face.triangle);
+        match self.onto_edge(face, i, end) {
+            At::Edge(..) if clear => At::Edge(*face, i, end),
+            at => at,
         }
     }
 
