@@ -318,3 +318,28 @@ fn along_a_wall_on_an_edge_of_its_plate_no_finger_that_both_sides_stop_changes_s
         assert_eq!(c.touch, Touch::Free, "{rise}: {c:?}");
     }
 }
+
+/// From the bottom of a slot of 0.1° almost along its wall: where the finger leaves one wall, one rounding above it is behind
+/// the other. That it comes out of there was once taken for a landing on the back.
+#[test]
+fn a_finger_that_both_sides_stop_comes_out_of_a_slot_the_way_it_went_in() {
+    let tan = libm::tan(0.05_f64.to_radians());
+    for friction in [0.0, 1000.0] {
+        let (scene, truth) = scene_of("0.1° slot", friction, Sides::Both);
+        for power in 1..7 {
+            for side in [-1.0, 1.0] {
+                let z = 0.27618950580230006;
+                let beside = side * tan * z * (1.0 - 10_f64.powi(-power));
+                let path = [
+                    Vec3::new(0.0, -7.3, 5.0),
+                    Vec3::new(-1e-3 * side, -7.2, -0.7),
+                    Vec3::new(beside, -7.04, z),
+                ];
+                let c = kept_out(&scene, &truth, &path);
+                assert_eq!(c.touch, Touch::Free, "{friction}, {beside}: {c:?}");
+                let path = [&path[..], &[Vec3::new(3.0 * side, -7.0, z)]].concat();
+                assert!(!kept_out(&scene, &truth, &path).behind);
+            }
+        }
+    }
+}

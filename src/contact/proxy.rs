@@ -161,11 +161,13 @@ fn land(scene: &TouchScene, walk: &Walk, from: Vec3, leaving: Option<Footing>) -
         };
         let joint = leaving.is_some_and(|footing| {
             let corners = |t: u32| surface.triangles()[t as usize];
+            let began = || surface.triangle(hit.triangle).closest_point(start).point;
             hit.inward == footing.behind
-                && hit.point.distance(footing.point) <= 4.0 * WITNESS_LIFTS * walk.lift
                 && corners(hit.triangle)
                     .iter()
                     .any(|v| corners(footing.triangle).contains(v))
+                && (hit.point.distance(footing.point) <= 4.0 * WITNESS_LIFTS * walk.lift
+                    || began().distance(start) <= TOUCH_LIFTS * walk.lift)
         });
         if !joint {
             let lands = landing(scene, hit);
