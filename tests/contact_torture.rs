@@ -9,7 +9,7 @@ use dorsum::lab::contact::{ENGINES, PLACES, SPEEDS_M_PER_S, Trial, closed_path_e
 use dorsum::partition::Sides;
 use dorsum::partition::bvh::Bvh;
 use dorsum::surface::torture::{
-    Stream, Truth, all, band_place, grid, steps, twisted_band,
+    Stream, Truth, all, band_place, closest_in, grid, steps, twisted_band,
 };
 use dorsum::surface::{Defect, Report, Surface};
 use std::f64::consts::TAU;
@@ -341,5 +341,22 @@ fn a_finger_that_both_sides_stop_comes_out_of_a_slot_the_way_it_went_in() {
                 assert!(!kept_out(&scene, &truth, &path).behind);
             }
         }
+    }
+}
+
+/// At a corner of the mesh of a wall, where the wall stands on a plate: the way down to a finger within the wall leads along
+/// its side, not below it, where the plate is.
+#[test]
+fn no_finger_slides_in_between_a_wall_and_the_plate_it_stands_on() {
+    let (scene, truth) = scene_of("wall on plate", 0.0, Sides::Front);
+    let Truth::Cell(cell) = &truth else {
+        unreachable!()
+    };
+    for (along, up) in [(-0.04, 0.08), (0.04, 0.08), (0.0, 0.08), (-0.04, 0.0)] {
+        let hip = Vec3::new(4.13, -9.25 + along, up);
+        let path = [Vec3::new(-3.0, 0.0, 4.0), Vec3::new(5.0, -9.25, -0.41), hip];
+        let c = kept_out(&scene, &truth, &path);
+        let expected = closest_in(cell, hip);
+        assert!(c.anchor_mm.distance(expected) < 1e-9, "{hip}: {c:?}");
     }
 }

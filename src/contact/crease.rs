@@ -137,6 +137,27 @@ impl Walk<'_> {
         worst.map(|(_, face)| face)
     }
 
+    /// The sheet that lies on `face` about `p` and faces it, where only fronts stop a motion: nothing comes in between.
+    pub(super) fn cover(&self, face: &Face, p: Vec3) -> Option<Face> {
+        if self.sides == Sides::Both || !self.search.is_crossed(face.triangle) {
+            return None;
+        }
+        let touch = TOUCH_LIFTS * self.lift;
+        let mut cover = None;
+        self.search.around(p, touch, |t| {
+            if let Some(other) = self.face(t)
+                && cover.is_none()
+                && other.normal.dot(face.normal) < PARALLEL - 1.0
+                && !other.vertices.iter().any(|v| face.vertices.contains(v))
+                && self.surface.triangle(t).closest_point(p).point.distance(p) <= touch
+                && !self.at_border(&other, p)
+            {
+                cover = Some(other);
+            }
+        });
+        cover
+    }
+
     /// Whether `p` is where the flat part that `face` belongs to ends.
     fn at_border(&self, face: &Face, p: Vec3) -> bool {
         let across = self.surface.topology().across(face.triangle);

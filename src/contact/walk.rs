@@ -350,7 +350,10 @@ impl Walk<'_> {
         };
         let back = other.edge_from(face.vertices[(i + 1) % 3]);
         if other.inside(back, self.hip) > 0.0 {
-            return Step::Go(At::Face(other, q));
+            return Step::Go(match self.cover(&other, q) {
+                Some(cover) if self.cover(face, q).is_none() => At::crease(face, &cover, q),
+                _ => At::Face(other, q),
+            });
         }
         let down = self.hip - q;
         let outward = face.normal + other.normal;
@@ -453,6 +456,8 @@ impl Walk<'_> {
         let mut ways = 0;
         let mut open = false;
         let mut highest: Option<(f64, u32)> = None;
+        // One that came up inside goes on there, to come out.
+        let under_cover = (self.face(from.triangle)).is_some_and(|f| self.cover(&f, p).is_some());
         let mut offer = |rate: f64, at: At| {
             ways += 1;
             let fresh = (tried.way).is_none_or(|(r, way)| rate < r || rate == r && ways > way);
@@ -467,6 +472,9 @@ impl Walk<'_> {
             let out = face.edge_from(v);
             let back = (out + 2) % 3;
             let across = topology.across(t);
+            if self.cover(&face, p).is_some() && !under_cover {
+                continue;
+            }
             open |= across[out] == RIM || across[back] == RIM;
             let height = down.dot(face.normal);
             if highest.is_none_or(|(most, _)| height > most) {
