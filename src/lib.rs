@@ -20,6 +20,7 @@
 //! | [`servo`] | the tick, the 1 kHz thread and its three lines to the window |
 //! | [`session`] | how a run is written, read, replayed and checked |
 //! | [`scenario`] | what a scene is made of, and what it needs |
+//! | [`training`] | what is asked and hidden, how it is answered, what the answers come to |
 //! | [`figure`] | pictures without a window: plots and the shaded back |
 //! | [`lab`] | experiments: what a method costs, what it misses, what it gets right |
 //! | `app` | the workbench (feature `gui`) |
@@ -46,6 +47,7 @@ pub mod scenario;
 pub mod servo;
 pub mod session;
 pub mod surface;
+pub mod training;
 pub mod units;
 
 #[cfg(feature = "gui")]

@@ -18,6 +18,7 @@ const ORDER: &[&str] = &[
     "session",
     "scenario",
     "figure",
+    "training",
     "lab",
     "app",
     "cli",

@@ -5,6 +5,7 @@ use super::deformation::{BonesChoice, BonesTable, DeformationTable};
 use super::dysfunction::table::DysfunctionTable;
 use super::dysfunction::{self, Dysfunction, Patch};
 use super::edit;
+use super::exercise::{Exercise, ExerciseTable};
 use super::feel::{ContactTable, ForceTable};
 use super::maps::{EllipseTable, StiffnessTable};
 use crate::contact::{Choices, Friction, published};
@@ -64,6 +65,8 @@ pub struct Scenario {
     pub deform: fsmd::Settings,
     /// Bone under the surface; absent: nowhere near.
     pub bones: Option<BonesChoice>,
+    /// What is asked of whom palpates; absent: free palpation.
+    pub exercise: Option<Exercise>,
     /// The file, whole, as read.
     pub source: String,
     /// Folder that relative paths start from; `None` for embedded scenarios.
@@ -92,6 +95,7 @@ struct File {
     ellipse: Option<EllipseTable>,
     deformation: Option<DeformationTable>,
     bones: Option<Spanned<BonesTable>>,
+    exercise: Option<ExerciseTable>,
 }
 
 #[derive(Deserialize)]
@@ -174,6 +178,9 @@ impl Scenario {
             deform,
             bones: (file.bones.as_ref())
                 .map(|t| check.bones(t, on_back))
+                .transpose()?,
+            exercise: (file.exercise.as_ref())
+                .map(|t| check.exercise(t, on_back))
                 .transpose()?,
             source: text.to_owned(),
             folder: folder.map(Path::to_owned),

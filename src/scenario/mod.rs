@@ -8,6 +8,7 @@ mod check;
 mod deformation;
 pub mod dysfunction;
 pub mod edit;
+pub mod exercise;
 mod feel;
 mod file;
 mod library;
@@ -21,6 +22,7 @@ pub use dysfunction::{
     Change, Dysfunction, Kind, Patch, Place, RandomSpec, Side, Site, Target, Tender,
     VertebralLevel, random, sites,
 };
+pub use exercise::Exercise;
 pub use file::{FORMAT, Scenario, ScenarioError, SurfaceChoice};
 pub use library::{Example, default_example, examples};
 pub use needs::{Item, Ledger, LedgerRow, Needs, Use, Verdict};
