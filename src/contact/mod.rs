@@ -40,6 +40,9 @@ pub struct TouchScene {
     pub fading: Option<Fading>,
     /// Absent: frictionless, and nothing tangential is computed.
     pub friction: Option<Friction>,
+    /// Skin drag: a factor on both friction coefficients per vertex; absent: 1 everywhere, and nothing is computed. Means
+    /// nothing without friction.
+    pub drag: Option<Arc<[f64]>>,
     /// How the finger meets the surface, by name.
     pub choices: Choices,
     /// Present: the force is that of the smooth surface the mesh stands for. A pad rounds by itself and does without.
@@ -117,6 +120,7 @@ impl TouchScene {
             stiffness,
             fading: None,
             friction: None,
+            drag: None,
             choices: Choices::default(),
             shading: None,
             published: None,
@@ -128,9 +132,37 @@ impl TouchScene {
     pub fn stiffness_at(&self, corners: [u32; 3], barycentric: [f64; 3]) -> f64 {
         let after = force::sound_stiffness(self.stiffness.at(corners, barycentric));
         match &self.fading {
-            Some(Fading { from, share }) if *share < 1.0 => {
+            Some(Fading { from, share, .. }) if *share < 1.0 => {
                 let before = force::sound_stiffness(from.at(corners, barycentric));
                 before * (1.0 - share) + after * share
+            }
+            _ => after,
+        }
+    }
+
+    /// Whether skin drag is anything but 1 everywhere.
+    fn has_drag(&self) -> bool {
+        self.drag.is_some() || (self.fading.as_ref()).is_some_and(|f| f.from_drag.is_some())
+    }
+
+    /// What both friction coefficients are multiplied by at a point of a triangle with the given corners: on its way as
+    /// [`TouchScene::stiffness_at`] is. A vertex without a value counts as 1; so does what is no factor.
+    pub fn drag_at(&self, corners: [u32; 3], barycentric: [f64; 3]) -> f64 {
+        let at = |values: &Option<Arc<[f64]>>| {
+            let Some(values) = values else { return 1.0 };
+            // From the first corner, so that the same drag at all three is exactly that.
+            let [a, b, c] = corners.map(|v| *values.get(v as usize).unwrap_or(&1.0));
+            let drag = a + (b - a) * barycentric[1] + (c - a) * barycentric[2];
+            if drag.is_finite() && drag >= 0.0 {
+                drag
+            } else {
+                1.0
+            }
+        };
+        let after = at(&self.drag);
+        match &self.fading {
+            Some(fading) if fading.share < 1.0 => {
+                at(&fading.from_drag) * (1.0 - fading.share) + after * fading.share
             }
             _ => after,
         }
@@ -145,6 +177,7 @@ impl TouchScene {
     pub fn bytes(&self) -> usize {
         self.search.bytes()
             + self.stiffness.bytes()
+            + self.drag.as_ref().map_or(0, |drag| size_of_val(&drag[..]))
             + self.published.as_ref().map_or(0, |p| p.bytes())
     }
 }
@@ -178,12 +211,14 @@ impl Stiffness {
     }
 }
 
-/// What an edit of the stiffness leads away from, and how far it has got.
+/// What an edit of the stiffness and the skin drag leads away from, and how far it has got.
 #[derive(Clone, Debug)]
 pub struct Fading {
     /// Stiffness before the edit. Never itself a mixture: an edit begins when the one before it is wholly there.
     pub from: Stiffness,
-    /// Share of the new stiffness that is felt, 0 … 1.
+    /// Skin drag before the edit.
+    pub from_drag: Option<Arc<[f64]>>,
+    /// Share of the new stiffness and skin drag that is felt, 0 … 1.
     pub share: f64,
 }
 

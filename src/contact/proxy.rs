@@ -55,7 +55,8 @@ pub(super) fn advance(scene: &TouchScene, state: &mut ContactState, hip: Hip) ->
             lift,
         };
         let touching = on_surface.then_some(state.triangle);
-        pad.follow(state.proxy_mm, touching, slipping)
+        let cone_at = |triangle, p| Cone::at(scene, triangle, p);
+        pad.follow(state.proxy_mm, touching, slipping, cone_at)
             .map(|rest| (rest, false))
     } else {
         let walk = Walk {
@@ -73,10 +74,10 @@ pub(super) fn advance(scene: &TouchScene, state: &mut ContactState, hip: Hip) ->
                 point: state.proxy_mm,
                 behind: state.behind,
             };
-            follow(scene, walk, here, slipping)
+            follow(scene, dragged(scene, walk, here), here, slipping)
         } else {
             approach(scene, &walk, state.proxy_mm)
-                .and_then(|footing| follow(scene, walk, footing, false))
+                .and_then(|footing| follow(scene, dragged(scene, walk, footing), footing, false))
         }
     };
     let contact = match rest {
@@ -98,6 +99,14 @@ pub(super) fn advance(scene: &TouchScene, state: &mut ContactState, hip: Hip) ->
     };
     *state = ContactState::after(hip_mm, &contact);
     contact
+}
+
+/// The walk with the skin drag of where it starts.
+fn dragged<'a>(scene: &TouchScene, walk: Walk<'a>, start: Footing) -> Walk<'a> {
+    Walk {
+        cone: Cone::at(scene, start.triangle, start.point),
+        ..walk
+    }
 }
 
 /// No reading: the proxy stays, no force.

@@ -36,7 +36,7 @@ pub use ellipse::{AngleRule, EllipseField, EllipseKey, EllipseMap, EllipseSettin
 pub use error::MapError;
 pub use fit::Fit;
 pub use gri::{Form, Level};
-pub use spot::Spot;
+pub use spot::{Spot, SpotReader};
 pub use stiffness::{StiffnessKey, StiffnessMap, Stroke, leave_one_out};
 
 /// Largest coordinate of a key, mm.

@@ -57,7 +57,7 @@ impl Spot {
 
 /// A spot ready to be asked many times.
 #[derive(Clone, Debug)]
-pub(super) struct Placed {
+pub struct SpotReader {
     spot: Spot,
     cos: f64,
     sin: f64,
@@ -66,7 +66,8 @@ pub(super) struct Placed {
     high: Vec2,
 }
 
-impl Placed {
+impl SpotReader {
+    /// Reads `spot`.
     pub fn new(spot: &Spot) -> Self {
         let reach = spot.reach_mm() * (1.0 + 1.0e-9);
         Self {
@@ -78,6 +79,7 @@ impl Placed {
         }
     }
 
+    /// As [`Spot::weight`], to the bit.
     pub fn weight(&self, place: Vec2) -> f64 {
         if place.cmplt(self.low).any() || place.cmpgt(self.high).any() {
             return 0.0;
@@ -128,7 +130,7 @@ mod tests {
             turn in 0.0..7.0
         ) {
             let s = spot((3.0, -4.0), [a, b], angle);
-            let placed = Placed::new(&s);
+            let placed = SpotReader::new(&s);
             let place = Vec2::new(x, y);
             prop_assert_eq!(s.weight(place).to_bits(), placed.weight(place).to_bits());
             let inside = s.point(q, turn);

@@ -1,5 +1,7 @@
 //! From a scenario to the things it needs, and nothing else.
 
+use super::dysfunction::{Tender, Tenderness};
+use super::felt;
 use super::needs::{Item, Needs, Verdict};
 use super::{Ledger, Scenario, ScenarioError, SurfaceChoice, Use};
 use crate::contact::published::Published;
@@ -7,6 +9,7 @@ use crate::contact::{Contact, Shading, Stiffness, TouchScene};
 use crate::deform::Press;
 use crate::deform::bones::Bones;
 use crate::deform::models::fsmd;
+use crate::geom::Vec2;
 use crate::maps::{BoneMap, EllipseField, EllipseMap, StiffnessMap};
 use crate::partition::Partition as _;
 use crate::partition::bvh::Bvh;
@@ -34,6 +37,8 @@ pub struct Scene {
     pub ellipse_field: Option<Arc<EllipseField>>,
     /// What the servo gets (a copy is boxed and handed in).
     pub touch: TouchScene,
+    /// Where it hurts; absent where it hurts nowhere.
+    pub tenderness: Option<Arc<Tenderness>>,
     /// Settings of the drawn deformation, with its bones.
     pub deform: fsmd::Settings,
     /// `builtin:back` or the mesh path as stated.
@@ -56,6 +61,14 @@ impl Scene {
             (Some(map), Some(field)) => press.on_map(&self.surface, map, field),
             _ => press,
         })
+    }
+}
+
+impl Scene {
+    /// How tender the skin is at a place of the map plane, mm: the lowest threshold of the dysfunctions it lies in; `None`
+    /// where it is not.
+    pub fn tenderness_at(&self, place: Vec2) -> Option<Tender> {
+        self.tenderness.as_ref()?.at(place)
     }
 }
 
@@ -111,10 +124,13 @@ pub fn build(
 
     step("Reading the mesh", 0.0)?;
     let started = Instant::now();
-    let (raw, mesh_origin, mesh_units) = raw_mesh(&scenario)?;
+    let (mut raw, mesh_origin, mesh_units) = raw_mesh(&scenario)?;
+    let patches = (scenario.patches()).map_err(|e| BuildError(e.to_string()))?;
+    felt::lift(&patches, &mut raw, &needs, &mut ledger);
     step("Checking the surface", 0.2)?;
     let (surface, report) =
         Surface::new(raw).map_err(|e| BuildError(format!("{mesh_origin}: {e}")))?;
+    felt::fine_enough(&scenario, &patches, &surface)?;
     let surface = Arc::new(surface);
     ledger.built(Item::Surface, surface.bytes());
     ledger.cost(Item::Surface, us_since(started), "build");
@@ -143,6 +159,9 @@ pub fn build(
 
     step("Fitting the stiffness map", 0.8)?;
     let (map, stiffness) = stiffness(&scenario, &needs, &surface, &mut ledger)?;
+    felt::stiffness_allowed(&scenario, &patches, &surface, &stiffness)?;
+    let drag = felt::drag(&patches, &needs, &surface, &mut ledger);
+    let tenderness = felt::tenderness(&patches, &needs, &mut ledger);
     step("Spreading the ellipse map", 0.9)?;
     let (ellipse, ellipse_field) = ellipses(&scenario, &needs, &surface, &mut ledger)?;
     let shading = needs.has(Item::ForceShading).then(|| Shading::of(&surface));
@@ -155,6 +174,7 @@ pub fn build(
     step("Ready", 1.0)?;
     let touch = TouchScene {
         friction: scenario.friction,
+        drag,
         choices: scenario.choices,
         published,
         shading,
@@ -169,6 +189,7 @@ pub fn build(
         ellipse,
         ellipse_field,
         touch,
+        tenderness,
         deform,
         mesh_origin,
         mesh_units,
@@ -186,8 +207,9 @@ const IN_THE_SCENE: [Item; 5] = [
 ];
 
 /// Parts that an edit of the maps leaves as they are.
-const KEPT: [Item; 8] = [
+const KEPT: [Item; 9] = [
     Item::Surface,
+    Item::Bumps,
     Item::Search,
     Item::Published,
     Item::Friction,
@@ -203,12 +225,17 @@ const KEPT: [Item; 8] = [
 /// touch can go over to without its proxy being placed anew.
 ///
 /// # Errors
-/// Another table has changed, or a map is refused.
+/// Another table has changed, or the bumps of the dysfunctions ([`changes_surface`]); or a map is refused.
 pub fn rebuild(old: &Scene, scenario: Arc<Scenario>, purpose: Use) -> Result<Scene, BuildError> {
     if let Some(table) = fixed_table_changed(&old.scenario, &scenario) {
         return Err(BuildError(format!(
             "{table} cannot be edited under the finger; save the scenario and open it anew"
         )));
+    }
+    if changes_surface(&old.scenario, &scenario) {
+        let what = "the bumps of [[dysfunction]] cannot be edited under the finger, since the surface is another with them; \
+                    build the scene anew";
+        return Err(BuildError(what.into()));
     }
     let needs = Needs::of(&scenario, purpose);
     let mut ledger = Ledger::of(&scenario, purpose);
@@ -225,6 +252,19 @@ pub fn rebuild(old: &Scene, scenario: Arc<Scenario>, purpose: Use) -> Result<Sce
         (Arc::clone(&old.stiffness), old.touch.stiffness.clone())
     } else {
         stiffness(&scenario, &needs, &old.surface, &mut ledger)?
+    };
+    let (drag, tenderness) = if was.dysfunctions == scenario.dysfunctions {
+        ledger.carry(Item::SkinDrag, &old.ledger);
+        ledger.carry(Item::Tenderness, &old.ledger);
+        (old.touch.drag.clone(), old.tenderness.clone())
+    } else {
+        let patches = (scenario.patches()).map_err(|e| BuildError(e.to_string()))?;
+        felt::fine_enough(&scenario, &patches, &old.surface)?;
+        felt::stiffness_allowed(&scenario, &patches, &old.surface, &felt)?;
+        (
+            felt::drag(&patches, &needs, &old.surface, &mut ledger),
+            felt::tenderness(&patches, &needs, &mut ledger),
+        )
     };
     let same_ellipses = was.ellipse == scenario.ellipse
         && old.ledger.row(Item::EllipseField).built == needs.has(Item::EllipseField);
@@ -253,15 +293,33 @@ pub fn rebuild(old: &Scene, scenario: Arc<Scenario>, purpose: Use) -> Result<Sce
         ellipse_field,
         touch: TouchScene {
             stiffness: felt,
+            drag,
             fading: None,
             ..old.touch.clone()
         },
+        tenderness,
         deform,
         mesh_origin: old.mesh_origin.clone(),
         mesh_units: old.mesh_units.clone(),
         scenario,
         ledger,
     })
+}
+
+/// Whether the scene of `new` has another surface than that of `old`: another mesh, or other bumps. Then [`rebuild`] refuses,
+/// and the scene is to be built anew.
+pub fn changes_surface(old: &Scenario, new: &Scenario) -> bool {
+    let bumps = |s: &Scenario| {
+        let all = s
+            .dysfunctions
+            .iter()
+            .flat_map(|d| d.patches().unwrap_or_default());
+        let with = all.filter(|p| p.bump_mm != 0.0);
+        with.map(|p| (p.spot, p.bump_mm)).collect::<Vec<_>>()
+    };
+    old.surface != new.surface
+        || old.folder != new.folder && matches!(new.surface, SurfaceChoice::Mesh { .. })
+        || old.dysfunctions != new.dysfunctions && bumps(old) != bumps(new)
 }
 
 /// The first table that differs of those which decide where a proxy rests and how it is pushed.

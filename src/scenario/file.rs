@@ -223,11 +223,24 @@ impl Scenario {
         let map = self
             .base_stiffness_map()
             .map_err(|e| ScenarioError(e.to_string()))?;
-        dysfunction::check(&self.dysfunctions, self.friction.as_ref(), &map).map_err(|clash| {
-            let d = &self.dysfunctions[clash.index];
-            let what = clash.fault.what;
-            ScenarioError(format!("dysfunction {} ({d}): {what}", clash.index + 1))
-        })
+        dysfunction::check(&self.dysfunctions, self.friction.as_ref(), &map)
+            .map_err(|clash| ScenarioError(self.about_dysfunction(clash.index, &clash.fault.what)))
+    }
+
+    /// What is wrong with a dysfunction, counted from 0, told with its line in the file and its name.
+    pub(super) fn about_dysfunction(&self, index: usize, what: &str) -> String {
+        #[derive(Deserialize)]
+        struct Lines {
+            dysfunction: Vec<Spanned<serde::de::IgnoredAny>>,
+        }
+        let lines: Option<Lines> = toml::from_str(&self.source).ok();
+        let span = lines.and_then(|l| l.dysfunction.get(index).map(Spanned::span));
+        let line = span.map_or(String::new(), |span| {
+            let before = self.source.bytes().take(span.start);
+            format!("line {}: ", 1 + before.filter(|&b| b == b'\n').count())
+        });
+        let name = (self.dysfunctions.get(index)).map_or(String::new(), |d| format!(" ({d})"));
+        format!("{line}dysfunction {}{name}: {what}", index + 1)
     }
 }
 

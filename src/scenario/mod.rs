@@ -10,13 +10,14 @@ pub mod dysfunction;
 pub mod edit;
 pub mod exercise;
 mod feel;
+mod felt;
 mod file;
 mod library;
 mod maps;
 mod measure;
 mod needs;
 
-pub use build::{BuildError, Scene, build, rebuild};
+pub use build::{BuildError, Scene, build, changes_surface, rebuild};
 pub use deformation::{BonesChoice, CURVE_SAMPLES};
 pub use dysfunction::{
     Change, Dysfunction, Kind, Patch, Place, RandomSpec, Side, Site, Target, Tender,

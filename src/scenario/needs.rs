@@ -36,6 +36,8 @@ pub struct Use {
 pub enum Item {
     /// The haptic surface with its adjacency.
     Surface,
+    /// Bumps and hollows of dysfunctions: vertices of the surface moved.
+    Bumps,
     /// The production search structure.
     Search,
     /// Stiffness per vertex; a uniform stiffness needs none.
@@ -44,6 +46,10 @@ pub enum Item {
     EllipseField,
     /// Friction: anchor and slip.
     Friction,
+    /// Skin drag per vertex.
+    SkinDrag,
+    /// Places that hurt.
+    Tenderness,
     /// The structure of the published haptic pass.
     Published,
     /// A force model that takes more than stiffness times depth.
@@ -80,12 +86,15 @@ pub enum Item {
 
 impl Item {
     /// Every part, in the order of the ledger.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 24] = [
         Self::Surface,
+        Self::Bumps,
         Self::Search,
         Self::StiffnessField,
         Self::EllipseField,
         Self::Friction,
+        Self::SkinDrag,
+        Self::Tenderness,
         Self::Published,
         Self::ForceModel,
         Self::FingerPad,
@@ -108,10 +117,13 @@ impl Item {
     pub fn name(self) -> &'static str {
         match self {
             Self::Surface => "Surface and adjacency",
+            Self::Bumps => "Bumps of the surface",
             Self::Search => "Search structure",
             Self::StiffnessField => "Stiffness per vertex",
             Self::EllipseField => "Ellipses per vertex",
             Self::Friction => "Friction",
+            Self::SkinDrag => "Skin drag per vertex",
+            Self::Tenderness => "Tender places",
             Self::Published => "Published haptic pass",
             Self::ForceModel => "Force model",
             Self::FingerPad => "Finger pad",
@@ -144,6 +156,24 @@ impl Item {
         };
         match self {
             Self::Surface => Needed("contact"),
+            Self::Bumps => choose(
+                scenario.has_patch(|p| p.bump_mm != 0.0),
+                "[[dysfunction]]",
+                "no dysfunction has a bump",
+            ),
+            Self::SkinDrag => match &scenario.friction {
+                None => LeftOut("the scenario has no [friction]"),
+                Some(_) => choose(
+                    scenario.has_patch(|p| p.drag_factor != 1.0),
+                    "[[dysfunction]]",
+                    "no dysfunction changes skin drag",
+                ),
+            },
+            Self::Tenderness => choose(
+                scenario.has_patch(|p| p.tender.is_some()),
+                "[[dysfunction]]",
+                "no dysfunction is tender",
+            ),
             Self::Search => Needed(if scenario.published.is_some() {
                 "placing scripts and the cursor"
             } else {

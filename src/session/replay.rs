@@ -175,6 +175,7 @@ impl Resimulation<'_> {
                 })?;
                 scene.fading = Some(Fading {
                     from: before.stiffness.clone(),
+                    from_drag: before.drag.clone(),
                     share: fade,
                 });
             }

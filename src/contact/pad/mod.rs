@@ -48,12 +48,26 @@ pub(super) struct Pad<'a> {
 
 impl Pad<'_> {
     /// Follows the HIP from a centre clear of the surface. `touching` is the triangle that a pad in contact is on.
-    /// `None` where it ends free.
-    pub(super) fn follow(&self, from: Vec3, touching: Option<u32>, slipping: bool) -> Option<Rest> {
-        let mut triangle = match touching {
+    /// `cone_at` tells the cone for a start on a triangle. `None` where it ends free.
+    pub(super) fn follow(
+        &self,
+        from: Vec3,
+        touching: Option<u32>,
+        slipping: bool,
+        cone_at: impl Fn(u32, Vec3) -> Cone,
+    ) -> Option<Rest> {
+        let triangle = match touching {
             Some(t) => t,
             None => self.first_in_reach(from)?,
         };
+        let pad = Self {
+            cone: cone_at(triangle, from),
+            ..*self
+        };
+        pad.follow_on(triangle, from, slipping)
+    }
+
+    fn follow_on(&self, mut triangle: u32, from: Vec3, slipping: bool) -> Option<Rest> {
         let mut centre = from;
         let mut cone_radius = if slipping {
             self.cone.moving

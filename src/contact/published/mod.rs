@@ -227,7 +227,10 @@ pub fn collide<C: Candidates + ?Sized>(
     };
     let landed = pass.first(start, hip_mm)?;
     let (foot, triangle) = pass.settle(landed)?;
-    let cone = Cone::of(scene.friction.as_ref());
+    let cone = match held {
+        Some(_) => Cone::at(scene, state.triangle, from),
+        None => Cone::at(scene, landed.triangle, landed.point),
+    };
     let anchor = match (held, &scene.friction) {
         (_, None) => foot.point,
         (Some(_), Some(_)) => from,

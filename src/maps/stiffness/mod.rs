@@ -3,7 +3,7 @@
 mod strokes;
 
 use super::fit::{Field, Fit, Sample, TOUCHING_MM};
-use super::spot::{Placed, Spot};
+use super::spot::{Spot, SpotReader};
 use super::{MapError, on_map, on_the_map, parallel, places};
 use crate::geom::Vec2;
 use crate::surface::Surface;
@@ -35,7 +35,7 @@ pub struct StiffnessMap {
     strokes: Vec<Stroke>,
     field: Arc<dyn Field>,
     brushed: Vec<Brushed>,
-    spots: Vec<(Placed, f64)>,
+    spots: Vec<(SpotReader, f64)>,
     uniform: Option<f64>,
 }
 
@@ -112,7 +112,7 @@ impl StiffnessMap {
     pub fn with_spots<'a>(mut self, spots: impl IntoIterator<Item = (&'a Spot, f64)>) -> Self {
         let sound = |f: &f64| *f > 0.0 && f.is_finite() && *f != 1.0;
         self.spots = (spots.into_iter().filter(|(_, f)| sound(f)))
-            .map(|(spot, factor)| (Placed::new(spot), factor - 1.0))
+            .map(|(spot, factor)| (SpotReader::new(spot), factor - 1.0))
             .collect();
         self
     }

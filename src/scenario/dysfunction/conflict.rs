@@ -1,5 +1,6 @@
 //! What cannot be: told before a finger feels it.
 
+use super::patch::{Bumps, Drag};
 use super::{Dysfunction, Fault, Patch, Place};
 use crate::contact::Friction;
 use crate::geom::Vec2;
@@ -169,10 +170,11 @@ fn drag(patches: &[(usize, Patch)], friction: Option<&Friction>) -> Result<(), C
     let Some(friction) = friction else {
         return Ok(());
     };
+    let together = Drag::of(patches.iter().map(|(_, p)| p));
     let of = |p: &&(usize, Patch)| p.1.drag_factor != 1.0;
     for (i, patch) in patches.iter().filter(of) {
         for at in over(patch, 4, 8) {
-            let drag = drag_at(patches.iter().map(|(_, p)| p), at);
+            let drag = together.at(at);
             let coefficient = drag * friction.static_coefficient;
             if !DRAGS.contains(&drag) || coefficient > MOST_FRICTION {
                 let what = format!(
@@ -190,27 +192,11 @@ fn drag(patches: &[(usize, Patch)], friction: Option<&Friction>) -> Result<(), C
     Ok(())
 }
 
-/// What the friction coefficients are multiplied by at a place.
-pub fn drag_at<'a>(patches: impl Iterator<Item = &'a Patch>, at: Vec2) -> f64 {
-    patches
-        .filter(|p| p.drag_factor != 1.0)
-        .fold(1.0, |drag, p| {
-            drag * (1.0 + (p.drag_factor - 1.0) * p.spot.weight(at))
-        })
-}
-
-/// How far bumps lift the skin at a place, mm.
-pub fn height_at<'a>(patches: impl Iterator<Item = &'a Patch>, at: Vec2) -> f64 {
-    patches
-        .filter(|p| p.bump_mm != 0.0)
-        .map(|p| p.bump_mm * p.spot.weight(at))
-        .sum()
-}
-
 /// Bumps move the skin along z by a function of x and y: nothing can fold over or through itself. What is left to be checked
 /// is how steep and how high they are together.
 fn bumps(patches: &[(usize, Patch)]) -> Result<(), Clash> {
-    let height = |at| height_at(patches.iter().map(|(_, p)| p), at);
+    let together = Bumps::of(patches.iter().map(|(_, p)| p));
+    let height = |at| together.at(at);
     for (i, patch) in patches.iter().filter(|(_, p)| p.bump_mm != 0.0) {
         let [a, b] = patch.spot.half_axes_mm;
         let step_mm = SLOPE_STEP * a.min(b);

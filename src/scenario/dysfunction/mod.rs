@@ -31,11 +31,12 @@ use crate::geom::Vec2;
 use std::fmt;
 
 pub use kinds::{all, named};
-pub use patch::{Patch, Tender};
+pub use patch::{Patch, Tender, Tenderness};
 pub use random::{RandomSpec, random};
 pub use site::{Side, Site, Target, VertebralLevel, side_name, sites};
 
-pub(super) use conflict::check;
+pub(super) use conflict::{STIFFNESS_N_PER_MM, check};
+pub(super) use patch::{Bumps, Drag};
 use site::{levels_text, sites_in};
 
 /// Severity of a dysfunction that names none.

@@ -3,8 +3,9 @@
 use super::site::lateral;
 use super::{Dysfunction, Patch, Place, Site, Tender};
 use crate::geom::Vec2;
-use crate::geom::curve::{Curve, Lookup, PUBLISHED_SIZE};
+use crate::geom::curve::{self, Curve};
 use crate::maps::Spot;
+use std::sync::OnceLock;
 
 /// Most that a seed moves a dysfunction to each side and up or down, mm.
 pub const VARIES_MM: f64 = 2.0;
@@ -69,12 +70,11 @@ impl Placed {
     }
 
     pub fn spot_of(&self, d: &Dysfunction, at_mm: Vec2, axes: [f64; 2], angle_rad: f64) -> Spot {
-        let profile = Curve::named(&d.profile, PUBLISHED_SIZE, Lookup::Linear);
         Spot {
             at_mm,
             half_axes_mm: axes,
             angle_rad,
-            profile: profile.unwrap_or_else(Curve::gaussian),
+            profile: profile(&d.profile),
         }
     }
 
@@ -92,6 +92,17 @@ impl Placed {
             }),
         }
     }
+}
+
+/// The curve with this name, its samples shared by all who ask; the Gaussian for a name that is in no list.
+fn profile(name: &str) -> Curve {
+    static CURVES: OnceLock<Vec<(&str, Curve)>> = OnceLock::new();
+    let curves = CURVES.get_or_init(|| {
+        let all = curve::all().iter();
+        all.map(|(name, curve)| (*name, curve())).collect()
+    });
+    let found = curves.iter().find(|(n, _)| *n == name);
+    found.map_or_else(Curve::gaussian, |(_, curve)| curve.clone())
 }
 
 /// The patches of a kind that is one ellipse at each place.
