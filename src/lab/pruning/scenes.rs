@@ -38,6 +38,10 @@ const ONE_VALUE: &str = "fit = \"natural\"\nkey = [\n\
 const FRICTION: &str = "[friction]\nstatic = 0.46\ndynamic = 0.44\n";
 const DRAGGED: &str =
     "[friction]\nstatic = 0.46\ndynamic = 0.44\n[deformation]\nmax_tangential_mm = 20\n";
+const ROUGH: &str = "[friction]\nstatic = 0.46\ndynamic = 0.44\n[[dysfunction]]\nkind = \"skin_drag\"\n\
+    at_mm = [30, 250]\nradius_mm = [90, 90]\n";
+const TENDER: &str = "[[dysfunction]]\nkind = \"tender\"\nat_mm = [30, 250]\n";
+const NOT_TENDER: &str = "[[dysfunction]]\nkind = \"tender\"\nat_mm = [30, 250]\nseverity = 0\n";
 const BONES: &str = "[bones]\nbuiltin = \"back\"\n";
 const ELLIPSES: &str = "[ellipse]\nbasic_radius_mm = 140\nkey = [\n\
     { name = \"A\", x = 0, y = 250, half_major_mm = 150, half_minor_mm = 60, angle_deg = 90 },\n\
@@ -69,7 +73,7 @@ const fn felt(item: Item, with: Tables, left_out: Option<Tables>) -> Part {
 }
 
 /// Every part of the core that a scene may do without, in the order of the ledger.
-pub const PARTS: [Part; 11] = [
+pub const PARTS: [Part; 13] = [
     felt(
         Item::StiffnessField,
         Tables(VARIED, ""),
@@ -84,6 +88,15 @@ pub const PARTS: [Part; 11] = [
         idle: Finger::Aloft,
     },
     felt(Item::Friction, Tables(UNIFORM, FRICTION), None),
+    Part {
+        beside: (Tables(UNIFORM, FRICTION), false),
+        ..felt(Item::SkinDrag, Tables(UNIFORM, ROUGH), None)
+    },
+    felt(
+        Item::Tenderness,
+        Tables(UNIFORM, TENDER),
+        Some(Tables(UNIFORM, NOT_TENDER)),
+    ),
     felt(
         Item::Published,
         Tables(UNIFORM, "[contact]\nengine = \"published\"\n"),
@@ -145,6 +158,7 @@ impl Part {
             Item::StiffnessField => "[stiffness] key",
             Item::EllipseField => "[ellipse] key, skin drawn",
             Item::Friction => "[friction]",
+            Item::SkinDrag | Item::Tenderness => "[[dysfunction]]",
             Item::Published => "[contact] engine",
             Item::ForceModel => "[force] model",
             Item::FingerPad => "[contact] finger_radius_mm",
