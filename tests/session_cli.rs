@@ -177,13 +177,8 @@ fn bad_input_is_one_line_and_exit_code_2() {
     assert!(error.contains("recorded on surface"), "{error}");
 }
 
-/// The recorded run with an edit of the stiffness in the middle of its press; `told`: its text is in the file.
-fn edited(from: &Path, to: &Path, told: bool) {
-    let session = Session::open(from).unwrap();
-    let header = session.header();
-    let parsed = |text: &str| Arc::new(Scenario::parse(text, "a.toml", None).unwrap());
-    let first = parsed(&header.scenario_toml);
-    let scene = scenario::build(Arc::clone(&first), Use::default(), &mut |_, _| true).unwrap();
+/// All stiffness twice as high.
+fn twice_as_stiff(first: &Scenario) -> String {
     let keys = first
         .stiffness_keys
         .iter()
@@ -192,8 +187,17 @@ fn edited(from: &Path, to: &Path, told: bool) {
             ..*k
         });
     let keys: Vec<_> = keys.collect();
-    let text = scenario::edit::with_stiffness(&first.source, &keys, first.stiffness_fit, &[]);
-    let text = text.unwrap();
+    scenario::edit::with_stiffness(&first.source, &keys, first.stiffness_fit, &[]).unwrap()
+}
+
+/// The recorded run with an edit of the scene in the middle of it; `told`: its text is in the file.
+fn edited(from: &Path, to: &Path, told: bool, edit: impl Fn(&Scenario) -> String) {
+    let session = Session::open(from).unwrap();
+    let header = session.header();
+    let parsed = |text: &str| Arc::new(Scenario::parse(text, "a.toml", None).unwrap());
+    let first = parsed(&header.scenario_toml);
+    let scene = scenario::build(Arc::clone(&first), Use::default(), &mut |_, _| true).unwrap();
+    let text = edit(&first);
     let after = scenario::rebuild(&scene, parsed(&text), Use::default()).unwrap();
     let mut rig = Rig::new(Box::new(scene.touch.clone()), header.limits());
     let mut writer = SessionWriter::create(to, header, IfExists::Refuse).unwrap();
@@ -217,7 +221,7 @@ fn a_run_with_an_edit_is_bit_exact_and_one_without_its_text_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let path = recorded(folder.path());
     let [with, without] = ["with.mcap", "without.mcap"].map(|n| folder.path().join(n));
-    edited(&path, &with, true);
+    edited(&path, &with, true, twice_as_stiff);
     let output = dorsum(&["replay", with.to_str().unwrap(), "--check"]);
     let text = stdout(&output);
     assert_eq!(output.status.code(), Some(0), "{text}");
@@ -228,7 +232,7 @@ fn a_run_with_an_edit_is_bit_exact_and_one_without_its_text_says_so() {
         "{text}"
     );
 
-    edited(&path, &without, false);
+    edited(&path, &without, false, twice_as_stiff);
     let output = dorsum(&["replay", without.to_str().unwrap(), "--check"]);
     let text = stdout(&output);
     assert_eq!(output.status.code(), Some(1), "{text}");
@@ -242,4 +246,62 @@ fn a_run_with_an_edit_is_bit_exact_and_one_without_its_text_says_so() {
         text.ends_with("bit-exact: 1000 ticks of 1 finger\n"),
         "{text}"
     );
+}
+
+/// A finger slides over a bump that is stiffer, drags more and hurts; on its way the dysfunction changes.
+#[test]
+fn a_run_over_dysfunctions_with_an_edit_of_them_is_bit_exact() {
+    let folder = tempfile::tempdir().unwrap();
+    let [file, plain, changed] =
+        ["s.toml", "plain.mcap", "changed.mcap"].map(|n| folder.path().join(n));
+    std::fs::write(
+        &file,
+        "format = 1\nname = \"Rough\"\n[surface]\nbuiltin = \"back\"\ntriangles = 2962\n\
+         [stiffness]\nconstant_n_per_mm = 0.4\n[[dysfunction]]\nkind = \"hypertonic\"\nat_mm = [30, 250]\n\
+         radius_mm = [90, 90]\nskin_drag = 1.8\nbump_mm = 4\ntender_above_n = 2\nseed = 5\n\
+         [friction]\nstatic = 0.46\ndynamic = 0.44\n",
+    )
+    .unwrap();
+    let [from, out] = [&file, &plain].map(|p| p.to_str().unwrap());
+    let run = dorsum(&["run", from, "--script", "slide", "--fast", "--record", out]);
+    assert!(
+        run.status.success(),
+        "{}",
+        String::from_utf8_lossy(&run.stderr)
+    );
+    let output = dorsum(&["replay", out, "--check"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stdout(&output));
+
+    edited(&plain, &changed, true, |first| {
+        let mut list = first.dysfunctions.clone();
+        list[0].skin_drag = Some(0.6);
+        list[0].change = Some(scenario::Change::StiffnessPercent(-40.0));
+        first.with_dysfunctions(&list).unwrap().source
+    });
+    let output = dorsum(&["replay", changed.to_str().unwrap(), "--check"]);
+    let text = stdout(&output);
+    assert_eq!(output.status.code(), Some(0), "{text}");
+    assert!(
+        text.contains("\nedits                1 of the scene"),
+        "{text}"
+    );
+    // It was felt: sideways force over normal force, where both runs slip well after the edit.
+    let drag = |path: &Path| {
+        let recording = Session::open(path)
+            .unwrap()
+            .load(Strictness::Strict)
+            .unwrap();
+        let slips = recording.fingers[0].iter().skip(1500);
+        let slips = slips.filter(|r| r.contact.touch == dorsum::contact::Touch::Slip);
+        let shares: Vec<f64> = slips
+            .map(|r| {
+                let normal = r.contact.force_n.dot(r.contact.normal);
+                (r.contact.force_n - r.contact.normal * normal).length() / normal
+            })
+            .collect();
+        assert!(shares.len() > 200, "{}", shares.len());
+        shares.iter().sum::<f64>() / shares.len() as f64
+    };
+    let (before, after) = (drag(&plain), drag(&changed));
+    assert!(before > 0.5 && after < 0.4, "{before} {after}");
 }

@@ -13,6 +13,7 @@ mod mesh;
 mod partition;
 mod replay;
 mod run;
+mod scenario;
 mod scene;
 mod summary;
 mod workbench;
@@ -75,6 +76,9 @@ enum Command {
     Replay(replay::ReplayArgs),
     /// Tell what a scenario needs and what is left out, with bytes and µs.
     Scene(scene::SceneArgs),
+    /// Check scenarios, list dysfunctions and places, hide dysfunctions at random.
+    #[command(subcommand)]
+    Scenario(scenario::ScenarioCommand),
     /// Look into mesh files, or write the built-in back.
     #[command(subcommand)]
     Mesh(mesh::MeshCommand),
@@ -125,6 +129,7 @@ pub fn main() -> u8 {
         Some(Command::Run(args)) => run::run(args, json),
         Some(Command::Replay(args)) => replay::run(args, json),
         Some(Command::Scene(args)) => scene::run(args, json),
+        Some(Command::Scenario(command)) => scenario::run(command, json),
         Some(Command::Mesh(command)) => mesh::run(command, json),
         Some(Command::Map(args)) => map::run(args, json),
         Some(Command::Partition(args)) => partition::run(args, json),

@@ -2,7 +2,7 @@
 
 use super::dysfunction::{Bumps, Drag, Patch, STIFFNESS_N_PER_MM, Tenderness};
 use super::needs::{Item, Needs};
-use super::{BuildError, Ledger, Scenario};
+use super::{BuildError, Ledger, Scenario, Scene};
 use crate::contact::Stiffness;
 use crate::maps::SpotReader;
 use crate::surface::{RawMesh, Surface};
@@ -38,6 +38,39 @@ pub(super) fn lift(patches: &Patches, raw: &mut RawMesh, needs: &Needs, ledger: 
     );
 }
 
+/// The patches that change what is felt, each with the number of its dysfunction and the largest share of it that a vertex
+/// has.
+fn shares<'a>(
+    patches: &'a Patches,
+    surface: &'a Surface,
+) -> impl Iterator<Item = (usize, &'a Patch, f64)> {
+    let felt = |p: &Patch| p.stiffness_factor != 1.0 || p.drag_factor != 1.0 || p.bump_mm != 0.0;
+    patches
+        .iter()
+        .filter(move |(_, p)| felt(p))
+        .map(|(index, patch)| {
+            let spot = SpotReader::new(&patch.spot);
+            let places = surface.positions().iter().map(|p| p.truncate());
+            let most = places.map(|at| spot.weight(at)).fold(0.0, f64::max);
+            (*index, patch, most)
+        })
+}
+
+impl Scene {
+    /// For each dysfunction the share of its strength that the mesh carries where it carries least, ½ … 1: between vertices
+    /// it is interpolated, so that a small spot on a coarse mesh is weaker than stated. 1 for one that is not felt.
+    pub fn carried(&self) -> Vec<f64> {
+        let mut all = vec![1.0; self.scenario.dysfunctions.len()];
+        let patches = self.scenario.patches().unwrap_or_default();
+        for (index, _, share) in shares(&patches, &self.surface) {
+            if let Some(least) = all.get_mut(index) {
+                *least = f64::min(*least, share);
+            }
+        }
+        all
+    }
+}
+
 /// Whether every dysfunction is felt, but for tenderness, which needs no vertex: some vertex must have at least half of it.
 ///
 /// # Errors
@@ -47,13 +80,7 @@ pub(super) fn fine_enough(
     patches: &Patches,
     surface: &Surface,
 ) -> Result<(), BuildError> {
-    for (index, patch) in patches {
-        if patch.stiffness_factor == 1.0 && patch.drag_factor == 1.0 && patch.bump_mm == 0.0 {
-            continue;
-        }
-        let spot = SpotReader::new(&patch.spot);
-        let places = surface.positions().iter().map(|p| p.truncate());
-        let most = places.map(|at| spot.weight(at)).fold(0.0, f64::max);
+    for (index, patch, most) in shares(patches, surface) {
         if most >= LEAST_FELT {
             continue;
         }
@@ -74,7 +101,7 @@ pub(super) fn fine_enough(
                 100.0 * LEAST_FELT
             )
         };
-        return Err(BuildError(scenario.about_dysfunction(*index, &what)));
+        return Err(BuildError(scenario.about_dysfunction(index, &what)));
     }
     Ok(())
 }
@@ -157,7 +184,7 @@ mod tests {
     use super::*;
     use crate::contact::{ContactState, advance};
     use crate::geom::{Vec2, Vec3};
-    use crate::scenario::{Scene, Use, build, changes_surface, rebuild, sites};
+    use crate::scenario::{Use, build, changes_surface, rebuild, sites};
 
     const HEAD: &str = "format = 1\nname = \"T\"\n[surface]\nbuiltin = \"back\"\ntriangles = 20389\n\
                         [stiffness]\nconstant_n_per_mm = 0.5\n";
@@ -366,6 +393,27 @@ mod tests {
             &with,
             &parsed(&text("bump_mm = 1\nradius_mm = [20, 20]"))
         ));
+    }
+
+    #[test]
+    fn a_finer_mesh_carries_more() {
+        let of = |triangles: &str| {
+            let tables = format!(
+                "{}{}",
+                table("hypertonic", ""),
+                "[[dysfunction]]\nkind = \"tender\"\nat_mm = [0, 9]\n"
+            );
+            let text = format!("{HEAD}{tables}").replace("20389", triangles);
+            let scenario = Scenario::parse(&text, "a.toml", None).expect("good");
+            try_build(&Arc::new(scenario)).expect("builds").carried()
+        };
+        let (coarse, fine) = (of("5000"), of("80000"));
+        assert!(
+            coarse[0] >= 0.5 && fine[0] > 0.97 && fine[0] <= 1.0,
+            "{coarse:?} {fine:?}"
+        );
+        assert!(fine[0] > coarse[0]);
+        assert_eq!((coarse[1], coarse.len()), (1.0, 2));
     }
 
     #[test]

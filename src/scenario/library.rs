@@ -9,7 +9,7 @@ pub struct Example {
     pub text: &'static str,
 }
 
-const EXAMPLES: [Example; 8] = [
+const EXAMPLES: [Example; 11] = [
     Example {
         file: "FIRST.toml",
         text: include_str!("../../assets/scenarios/FIRST.toml"),
@@ -17,6 +17,18 @@ const EXAMPLES: [Example; 8] = [
     Example {
         file: "t5_right.toml",
         text: include_str!("../../assets/scenarios/t5_right.toml"),
+    },
+    Example {
+        file: "fryette_two.toml",
+        text: include_str!("../../assets/scenarios/fryette_two.toml"),
+    },
+    Example {
+        file: "tender_knot.toml",
+        text: include_str!("../../assets/scenarios/tender_knot.toml"),
+    },
+    Example {
+        file: "fibrosis.toml",
+        text: include_str!("../../assets/scenarios/fibrosis.toml"),
     },
     Example {
         file: "frictionless.toml",
@@ -131,6 +143,53 @@ mod tests {
             assert!(
                 !row.built && row.bytes == 0 && row.cost_us.is_none(),
                 "{row:?}"
+            );
+        }
+    }
+
+    /// Every part that a scene of dysfunctions may do without, and whether each example has it.
+    #[test]
+    fn what_a_dysfunction_does_not_need_is_absent() {
+        use Item::{Bumps, Friction, SkinDrag, StiffnessField, Tenderness};
+        for (file, built) in [
+            ("FIRST.toml", [true, true, false, false, false]),
+            ("fryette_two.toml", [true, true, true, false, true]),
+            ("tender_knot.toml", [true, false, true, false, true]),
+            ("fibrosis.toml", [true, true, true, true, false]),
+            ("frictionless.toml", [false; 5]),
+        ] {
+            let example = examples()
+                .iter()
+                .find(|e| e.file == file)
+                .expect("embedded");
+            let scenario = Scenario::parse(example.text, file, None).expect("valid");
+            let plain = scenario.with_dysfunctions(&[]).expect("valid");
+            let [scene, plain] = [scenario, plain].map(|s| {
+                let fingers = Use {
+                    fingers: 1,
+                    ..Use::default()
+                };
+                build(Arc::new(s), fingers, &mut |_, _| true).expect("builds")
+            });
+            for (item, built) in [StiffnessField, Friction, Bumps, SkinDrag, Tenderness]
+                .into_iter()
+                .zip(built)
+            {
+                let row = scene.ledger.row(item);
+                assert_eq!(row.built, built, "{file}: {row:?}");
+                assert!(
+                    built || row.bytes == 0 && row.cost_us.is_none(),
+                    "{file}: {row:?}"
+                );
+            }
+            let touch = &scene.touch;
+            assert_eq!(touch.drag.is_some(), built[3], "{file}");
+            assert_eq!(touch.friction.is_some(), built[1], "{file}");
+            assert_eq!(scene.tenderness.is_some(), built[4], "{file}");
+            assert_eq!(
+                scene.surface.hash() != plain.surface.hash(),
+                built[2],
+                "{file}"
             );
         }
     }
