@@ -360,3 +360,30 @@ fn no_finger_slides_in_between_a_wall_and_the_plate_it_stands_on() {
         assert!(c.anchor_mm.distance(expected) < 1e-9, "{hip}: {c:?}");
     }
 }
+
+/// In the groove of two crossing spheres, where the finger comes out of the one that it stands on and into the other, it is the
+/// other that it lands on. It was once put back on the first, which passes through the same place, and through the other.
+#[test]
+fn out_of_one_of_two_crossing_bodies_a_finger_that_both_sides_stop_lands_on_the_other() {
+    for friction in [0.0, 1000.0] {
+        let (scene, truth) = scene_of("crossing spheres", friction, Sides::Both);
+        for turn in 0..720 {
+            let angle = f64::from(turn) * 0.01;
+            let round = |x: f64, radius: f64| {
+                Vec3::new(x, radius * libm::sin(angle), radius * libm::cos(angle))
+            };
+            for x in [-3.0, 3.0] {
+                let path = [
+                    round(0.0, 22.0),
+                    round(0.0, 10.0),
+                    round(0.3 * x, 9.0),
+                    round(x, 8.5),
+                    round(1.2 * x, 8.7),
+                ];
+                let c = kept_out(&scene, &truth, &path);
+                let outward = c.anchor_mm - Vec3::X * 10.0_f64.copysign(x);
+                assert!(!c.behind && c.normal.dot(outward) > 10.0, "{path:?}: {c:?}");
+            }
+        }
+    }
+}

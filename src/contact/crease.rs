@@ -5,6 +5,7 @@
 //! ([`Bvh::is_crossed`](crate::partition::bvh::Bvh::is_crossed)); on the others nothing here is asked.
 
 use super::face::Face;
+use super::proxy::WITNESS_LIFTS;
 use super::walk::{At, Footing, ON_CONE, Outcome, Rest, Step, TOUCH_LIFTS, Walk};
 use crate::geom::{Vec3, unit_or};
 use crate::partition::{Hit, Partition, Sides};
@@ -77,6 +78,41 @@ impl Walk<'_> {
             Sides::Both if near => self.clear_of(on, other),
             _ => Vec3::ZERO,
         }
+    }
+
+    /// `on`, reached from `from`, clear of the other sheets that rise there.
+    pub(super) fn clear_of_walls(&self, on: Footing, from: Vec3) -> Footing {
+        let Some(face) = self.face(on.triangle) else {
+            return on;
+        };
+        if !self.search.is_crossed(on.triangle) {
+            return on;
+        }
+        let touch = TOUCH_LIFTS * self.lift;
+        let before = on.point + (from - on.point).clamp_length_max(WITNESS_LIFTS * self.lift);
+        let mut clear = on;
+        self.search.around(on.point, touch, |t| {
+            let Some(mut other) = self.face(t) else {
+                return;
+            };
+            if other.height(before) < 0.0 {
+                other = other.seen_from_behind();
+            }
+            if !other.vertices.iter().any(|v| face.vertices.contains(v))
+                && other.corners.iter().any(|&c| face.height(c) > touch)
+                && face.normal.cross(other.normal).length_squared() > PARALLEL
+                && self
+                    .surface
+                    .triangle(t)
+                    .closest_point(on.point)
+                    .point
+                    .distance(on.point)
+                    <= touch
+            {
+                clear.point += self.clear_where_both_stop(&face, &other, clear.point);
+            }
+        });
+        clear
     }
 
     /// On over `other`, on the side it shows.

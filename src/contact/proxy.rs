@@ -182,14 +182,18 @@ fn land(scene: &TouchScene, walk: &Walk, from: Vec3, leaving: Option<Footing>) -
             let lands = landing(scene, hit);
             return match walk.sides {
                 Sides::Front => Some(lands),
-                Sides::Both => lying_on(scene, walk, hit.point, start).or(Some(lands)),
+                Sides::Both => {
+                    let on = lying_on(scene, walk, hit.point, start).unwrap_or(lands);
+                    Some(walk.on_side_of(on).clear_of_walls(on, start))
+                }
             };
         }
         start = hit.point + unit_or(walk.hip - start, Vec3::ZERO) * walk.lift;
     }
     match walk.sides {
         Sides::Front => None,
-        Sides::Both => lying_on(scene, walk, walk.hip, from),
+        Sides::Both => lying_on(scene, walk, walk.hip, from)
+            .map(|on| walk.on_side_of(on).clear_of_walls(on, from)),
     }
 }
 
