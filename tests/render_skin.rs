@@ -13,7 +13,7 @@ use dorsum::app::render::arrow::Arrow;
 use dorsum::app::render::layer::Overlay;
 use dorsum::app::render::mesh::SkinMesh;
 use dorsum::app::render::sphere::Sphere;
-use dorsum::app::render::{Painted, Palette, Picture, Renderer, shade};
+use dorsum::app::render::{Painted, Palette, Picture, Renderer, SkinLook, shade};
 use dorsum::deform::models::fsmd::{Fsmd, Settings};
 use dorsum::deform::{Displacement, Model as _, Press};
 use dorsum::geom::{Vec2, Vec3};
@@ -60,7 +60,10 @@ fn picture(surface: &Surface) -> Picture {
             floor_bottom: [30, 33, 37],
             wire: [22, 24, 27],
         },
-        skin: true,
+        skin: SkinLook::Opaque,
+        stereo: None,
+        draws_spheres: true,
+        models: Vec::new(),
         tint: None,
         wireframe: false,
         draft: false,

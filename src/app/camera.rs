@@ -87,6 +87,26 @@ pub struct Basis {
     pub back: Vec3,
 }
 
+/// One of two eyes: how far it stands beside the camera, and where its picture is taken. See [`super::stereo`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Eye {
+    /// To the right of the camera, mm; 0 for a single eye.
+    pub shift_mm: f64,
+    /// To the plane where it sees what the camera sees, mm in front of it. Without meaning for a single eye.
+    pub convergence_mm: f64,
+}
+
+impl Eye {
+    /// Its shift and the inverse of its convergence, mm and 1/mm; zeros where it does not stand aside.
+    fn aslant(self) -> (f64, f64) {
+        if self.shift_mm != 0.0 && self.convergence_mm > 0.0 {
+            (self.shift_mm, 1.0 / self.convergence_mm)
+        } else {
+            (0.0, 0.0)
+        }
+    }
+}
+
 /// The eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
@@ -102,6 +122,8 @@ pub struct Camera {
     pub fov_y: f64,
     /// How depth shrinks things.
     pub projection: Projection,
+    /// Which of two eyes it is; the single one at first.
+    pub eye: Eye,
 }
 
 impl Default for Camera {
@@ -113,6 +135,7 @@ impl Default for Camera {
             distance_mm: 1000.0,
             fov_y: 28.0_f64.to_radians(),
             projection: Projection::Perspective,
+            eye: Eye::default(),
         }
     }
 }
@@ -133,7 +156,21 @@ impl Camera {
 
     /// Where the eye is, mm.
     pub fn eye_mm(&self) -> Vec3 {
-        self.target_mm + self.basis().back * self.distance_mm
+        let b = self.basis();
+        // Without perspective the eyes are far away: what parts them is the slant of their views.
+        let aside_mm = match self.projection {
+            Projection::Perspective => self.eye.aslant().0,
+            Projection::Orthographic => 0.0,
+        };
+        self.target_mm + b.back * self.distance_mm + b.right * aside_mm
+    }
+
+    /// What an eye that stands aside adds to the horizontal place of a point on the picture at its depth, mm: what brings the
+    /// plane of convergence to where the camera sees it. `depth_mm` is taken from the eye in perspective, else beyond the
+    /// target.
+    fn slant_mm(&self, depth_mm: f64) -> f64 {
+        let (shift_mm, per_convergence) = self.eye.aslant();
+        shift_mm * per_convergence * depth_mm
     }
 
     /// Half the height of the picture at the depth of the target, mm.
@@ -188,7 +225,33 @@ impl Camera {
                 )
             }
         };
-        clip_from_view * self.view_from_subject()
+        let mut clip = clip_from_view * self.view_from_subject();
+        // The slant is linear in depth, as one row more in that of x: off-axis frustum, or shear.
+        if self.eye.aslant().0 != 0.0 {
+            let b = self.basis();
+            let half_width = match self.projection {
+                Projection::Perspective => (self.fov_y / 2.0).tan() * aspect,
+                Projection::Orthographic => self.half_height_mm() * aspect,
+            };
+            let from = match self.projection {
+                Projection::Perspective => self.eye_mm(),
+                Projection::Orthographic => self.target_mm,
+            };
+            let slant = self.slant_mm(1.0) / half_width;
+            let row = (-b.back).extend(b.back.dot(from)) * slant;
+            for (k, column) in [
+                &mut clip.x_axis,
+                &mut clip.y_axis,
+                &mut clip.z_axis,
+                &mut clip.w_axis,
+            ]
+            .into_iter()
+            .enumerate()
+            {
+                column.x += row[k];
+            }
+        }
+        clip
     }
 
     /// Nearest and farthest depth that `bounds` needs, mm in front of the eye, with a margin for fingers and arrows.
@@ -222,8 +285,12 @@ impl Camera {
             return None;
         }
         let scale = size_px.y / (2.0 * half_mm);
+        let depth_mm = match self.projection {
+            Projection::Perspective => -from_eye.dot(b.back),
+            Projection::Orthographic => (self.target_mm - point_mm).dot(b.back),
+        };
         Some(Vec2::new(
-            size_px.x / 2.0 + from_eye.dot(b.right) * scale,
+            size_px.x / 2.0 + (from_eye.dot(b.right) + self.slant_mm(depth_mm)) * scale,
             size_px.y / 2.0 - from_eye.dot(b.up) * scale,
         ))
     }
@@ -238,15 +305,25 @@ impl Camera {
         match self.projection {
             Projection::Perspective => {
                 let eye = self.eye_mm();
+                // An eye that stands aside sees that plane moved by what its slant leaves of its shift.
+                let (shift_mm, _) = self.eye.aslant();
+                let aside_mm = shift_mm - self.slant_mm(self.distance_mm);
                 Ray {
                     origin_mm: eye,
-                    direction: crate::geom::unit_or(on_target_plane - eye, -b.back),
+                    direction: crate::geom::unit_or(
+                        on_target_plane + b.right * aside_mm - eye,
+                        -b.back,
+                    ),
                 }
             }
-            Projection::Orthographic => Ray {
-                origin_mm: on_target_plane + b.back * 10_000.0,
-                direction: -b.back,
-            },
+            Projection::Orthographic => {
+                let direction =
+                    crate::geom::unit_or(-b.back - b.right * self.slant_mm(1.0), -b.back);
+                Ray {
+                    origin_mm: on_target_plane - direction * 10_000.0,
+                    direction,
+                }
+            }
         }
     }
 

@@ -31,6 +31,8 @@ pub struct Options {
     pub panel: Option<String>,
     /// What the Back view colours the skin by, by its key; `None` takes the stored choice.
     pub colour: Option<String>,
+    /// How the Back view draws the skin, what it shows of the body, and for which eyes: words as it keeps them.
+    pub look: Vec<String>,
     /// The experiment that the Lab panel shows, by its name; `None` takes the one shown last.
     pub experiment: Option<String>,
     /// Size of the window, points.
@@ -59,6 +61,7 @@ impl Default for Options {
             dark: None,
             panel: None,
             colour: None,
+            look: Vec::new(),
             experiment: None,
             size: (1280, 800),
         }
@@ -84,7 +87,8 @@ fn recalled(options: &Options) -> Vec<(String, String)> {
         of(BACK_VIEW_KEY, "colour", &options.colour),
         of(lab::KEY, "experiment", &options.experiment),
     ];
-    chosen.into_iter().flatten().collect()
+    let look = (options.look.iter()).map(|word| (BACK_VIEW_KEY.to_owned(), word.clone()));
+    chosen.into_iter().flatten().chain(look).collect()
 }
 
 /// Opens the workbench and returns when it is closed.

@@ -7,6 +7,7 @@
 //! | [`panels`] | which panels there are |
 //! | [`history`] | the plotted past, in bounded memory |
 //! | [`camera`] | where the back is looked at from |
+//! | [`stereo`] | two pictures for two eyes |
 //! | [`theme`] | every colour of the window |
 //! | [`colours`] | colours that stand for numbers, and quantities shown by them |
 //! | [`mod@bench`] | what runs behind the window: scene, servo, recorder, replay |
@@ -33,6 +34,7 @@ pub mod panels;
 pub mod render;
 pub mod shell;
 pub mod state;
+pub mod stereo;
 pub mod study;
 pub mod theme;
 pub mod widgets;

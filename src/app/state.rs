@@ -23,6 +23,9 @@ pub struct View {
     pub edit: u64,
     /// Whether the open scene was edited since it was opened or saved.
     pub unsaved: bool,
+    /// Whether the truth is kept from whoever looks: `scene` is then one without it, and panels leave out what fingers tell of
+    /// stiffness.
+    pub blind: bool,
     /// What the scene is used for at the moment: it decides what must exist beside it.
     pub purpose: Use,
     /// What panels built for it.
@@ -67,6 +70,7 @@ impl Default for View {
             scene_generation: 0,
             edit: 0,
             unsaved: false,
+            blind: false,
             purpose: Use::default(),
             parts: Parts::default(),
             study: SharedStudy::default(),

@@ -35,6 +35,15 @@ pub struct WorkbenchArgs {
     /// last.
     #[arg(long, value_name = "NAME")]
     colour: Option<String>,
+    /// Draw the skin like this: opaque, translucent or off; otherwise as chosen last.
+    #[arg(long, value_name = "LOOK")]
+    skin: Option<String>,
+    /// Show these: bones, landmarks, hands, with commas between, or none; otherwise as chosen last.
+    #[arg(long, value_name = "PARTS")]
+    anatomy: Option<String>,
+    /// Draw for two eyes: parallel, cross-eyed or anaglyph; otherwise as chosen last.
+    #[arg(long, value_name = "MODE")]
+    stereo: Option<String>,
     /// The experiment that the Lab panel shows; otherwise as chosen last.
     #[arg(long, value_name = "NAME")]
     experiment: Option<String>,
@@ -119,6 +128,7 @@ fn options(args: &WorkbenchArgs) -> Result<crate::app::Options, CliError> {
         )));
     }
     Ok(Options {
+        look: look(args)?,
         source: args.scenario.as_ref().map(source).transpose()?,
         first_frame: args.first_frame,
         screenshot: args.screenshot.clone().map(|path| Screenshot {
@@ -134,6 +144,37 @@ fn options(args: &WorkbenchArgs) -> Result<crate::app::Options, CliError> {
         recording: args.recording.clone(),
         ..Options::default()
     })
+}
+
+/// How the Back view shows the body, in its own words.
+#[cfg(feature = "gui")]
+fn look(args: &WorkbenchArgs) -> Result<Vec<String>, CliError> {
+    use crate::app::panels::back_view::options::{Anatomy, LOOKS, look_named};
+    use crate::app::stereo::Mode;
+    let mut words = Vec::new();
+    if let Some(name) = &args.skin {
+        if look_named(name).is_none() {
+            let known = LOOKS.map(|(_, known)| known).join(", ");
+            return Err(CliError::input(format_args!(
+                "--skin {name}: there are {known}"
+            )));
+        }
+        words.push(format!("skin={name}"));
+    }
+    if let Some(parts) = &args.anatomy {
+        Anatomy::named(parts).map_err(|e| CliError::input(format_args!("--anatomy {e}")))?;
+        words.push(format!("anatomy={}", parts.replace(' ', "")));
+    }
+    if let Some(name) = &args.stereo {
+        if Mode::named(name).is_none() {
+            let known = Mode::ALL.map(Mode::key).join(", ");
+            return Err(CliError::input(format_args!(
+                "--stereo {name}: there are {known}"
+            )));
+        }
+        words.push(format!("stereo={name}"));
+    }
+    Ok(words)
 }
 
 #[cfg(not(feature = "gui"))]

@@ -1,6 +1,6 @@
 //! What a scene requires, and the ledger that tells it.
 
-use super::Scenario;
+use super::{Scenario, SurfaceChoice};
 use crate::contact::ForceModel;
 use crate::maps::Fit;
 
@@ -23,6 +23,14 @@ pub struct Use {
     pub partitioned: bool,
     /// A quantity colours the skin.
     pub coloured: bool,
+    /// Bones are drawn below the skin.
+    pub bones_drawn: bool,
+    /// Names of landmarks are shown.
+    pub named: bool,
+    /// Hands are drawn in the place of fingertips.
+    pub hands_drawn: bool,
+    /// The skin is drawn for two eyes.
+    pub two_eyes: bool,
     /// The Ellipse map panel is open.
     pub ellipse_edited: bool,
     /// The Stiffness map panel is open.
@@ -70,6 +78,14 @@ pub enum Item {
     GraphicsMesh,
     /// A number per vertex that colours the skin.
     SurfaceColour,
+    /// Bones to be seen below the skin; nothing is felt through them.
+    DrawnBones,
+    /// Names of landmarks and their places.
+    LandmarkNames,
+    /// Hands in the place of fingertips.
+    HandModel,
+    /// A picture for each eye. Held by the graphics card alone.
+    SecondEye,
     /// A published tree of cells, to be looked at.
     PartitionTree,
     /// Canvas and colour field of the ellipse map's editor.
@@ -86,7 +102,7 @@ pub enum Item {
 
 impl Item {
     /// Every part, in the order of the ledger.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 28] = [
         Self::Surface,
         Self::Bumps,
         Self::Search,
@@ -105,6 +121,10 @@ impl Item {
         Self::Bones,
         Self::GraphicsMesh,
         Self::SurfaceColour,
+        Self::DrawnBones,
+        Self::LandmarkNames,
+        Self::HandModel,
+        Self::SecondEye,
         Self::PartitionTree,
         Self::EllipseEditor,
         Self::StiffnessEditor,
@@ -134,6 +154,10 @@ impl Item {
             Self::Bones => "Bones",
             Self::GraphicsMesh => "Graphics mesh",
             Self::SurfaceColour => "Surface colour",
+            Self::DrawnBones => "Drawn bones",
+            Self::LandmarkNames => "Landmark names",
+            Self::HandModel => "Hand model",
+            Self::SecondEye => "Second eye",
             Self::PartitionTree => "Partition tree",
             Self::EllipseEditor => "Ellipse map editor",
             Self::StiffnessEditor => "Stiffness map editor",
@@ -147,6 +171,7 @@ impl Item {
     pub fn verdict(self, scenario: &Scenario, purpose: Use) -> Verdict {
         use Verdict::{LeftOut, Needed};
         let deformed = purpose.drawn || purpose.deformed;
+        let on_back = matches!(scenario.surface, SurfaceChoice::BuiltinBack { .. });
         let choose = |needed, why, why_not| {
             if needed {
                 Needed(why)
@@ -254,6 +279,29 @@ impl Item {
                 purpose.drawn && purpose.coloured,
                 "back view",
                 "bare skin is shown",
+            ),
+            Self::DrawnBones | Self::LandmarkNames if !on_back => {
+                LeftOut("known for the built-in back only")
+            }
+            Self::DrawnBones => choose(
+                purpose.drawn && purpose.bones_drawn,
+                "back view",
+                "nothing shows bones",
+            ),
+            Self::LandmarkNames => choose(
+                purpose.drawn && purpose.named,
+                "back view",
+                "no landmarks are named",
+            ),
+            Self::HandModel => choose(
+                purpose.drawn && purpose.hands_drawn,
+                "back view",
+                "fingertips are spheres",
+            ),
+            Self::SecondEye => choose(
+                purpose.drawn && purpose.two_eyes,
+                "back view",
+                "one picture is drawn",
             ),
             Self::PartitionTree => choose(
                 purpose.partitioned,

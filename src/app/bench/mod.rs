@@ -51,6 +51,10 @@ const PURPOSE: Use = Use {
     ellipse_edited: false,
     stiffness_edited: false,
     passivity: false,
+    bones_drawn: false,
+    named: false,
+    hands_drawn: false,
+    two_eyes: false,
     coloured: false,
 };
 

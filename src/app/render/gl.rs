@@ -104,6 +104,14 @@ impl Bound<'_> {
         }
     }
 
+    /// Sets a matrix of three by three, column by column.
+    pub fn mat3(&self, name: &str, m: &[f32; 9]) {
+        unsafe {
+            self.gl
+                .uniform_matrix_3_f32_slice(self.at(name).as_ref(), false, m);
+        }
+    }
+
     /// Sets a vector of three.
     pub fn vec3(&self, name: &str, v: [f32; 3]) {
         unsafe {

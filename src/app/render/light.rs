@@ -2,7 +2,8 @@
 
 use super::Picture;
 use super::gl::Bound;
-use crate::geom::{Vec3, unit_or};
+use crate::app::camera::Camera;
+use crate::geom::{Vec2, Vec3, unit_or};
 
 /// Eye, matrix and lights, rounded.
 #[derive(Clone, Copy, Debug)]
@@ -18,9 +19,8 @@ pub struct Light {
 }
 
 impl Light {
-    /// For one picture.
-    pub fn of(picture: &Picture) -> Self {
-        let camera = &picture.camera;
+    /// For one picture, as `camera` sees it in `size` pixels. The lights are the same for both of two eyes.
+    pub fn of(picture: &Picture, camera: &Camera, size: Vec2) -> Self {
         let b = camera.basis();
         let from_camera = |right: f64, up: f64, back: f64| {
             unit_or(b.right * right + b.up * up + b.back * back, b.back)
@@ -33,10 +33,7 @@ impl Light {
         };
         Self {
             clip_from_subject: camera
-                .clip_from_subject(
-                    picture.size(),
-                    &picture.bounds.union(picture.overlay.bounds),
-                )
+                .clip_from_subject(size, &picture.bounds.union(picture.overlay.bounds))
                 .to_cols_array()
                 .map(|x| x as f32),
             eye: eye.to_array().map(|x| x as f32),

@@ -7,6 +7,8 @@
 //! | `skin` | its buffers and drawing, wire overlay |
 //! | [`values`], [`tint`] | what colours it: a number per vertex, and how numbers become colours |
 //! | [`sphere`], [`arrow`], [`solid`] | fingers and forces |
+//! | [`model`], [`bones`], [`hand`] | meshes that never change: bones below the skin, a hand in a sphere's place |
+//! | `anaglyph` | two pictures in one for coloured glasses |
 //! | [`layer`] | boxes, planes and marked triangles over the skin |
 //! | [`light`] | eye and lights |
 //! | `target` | the picture's own multisampled framebuffer |
@@ -17,11 +19,15 @@
 //! texture of its own when either changed and puts that texture onto the window.
 #![allow(unsafe_code, reason = "OpenGL calls are unsafe by signature")] // OpenGL is a C interface; see `gl`.
 
+mod anaglyph;
 pub mod arrow;
+pub mod bones;
 mod gl;
+pub mod hand;
 pub mod layer;
 pub mod light;
 pub mod mesh;
+pub mod model;
 pub mod pixels;
 pub mod shade;
 mod skin;
@@ -32,14 +38,17 @@ pub mod tint;
 pub mod values;
 
 use crate::app::camera::Camera;
+use crate::app::stereo::{Pane, Stereo};
 use crate::app::theme::Theme;
 use crate::geom::{Aabb, Vec2};
+use anaglyph::Anaglyph;
 use arrow::Arrow;
 use eframe::glow::{self, HasContext as _};
 use gl::{Program, VertexArray, attribute};
 use layer::{Layers, Overlay};
 use light::Light;
 use mesh::SkinMesh;
+use model::{Models, Placed};
 use skin::{Skin, SkinPrograms};
 use solid::{SolidVertex, Solids};
 use sphere::Sphere;
@@ -58,6 +67,9 @@ pub struct Palette {
     /// Edges of the wire overlay.
     pub wire: [u8; 3],
 }
+
+/// Widest and highest picture, pixels: what every driver can.
+const LARGEST_PX: u32 = 16_384;
 
 /// Rim of fingers over a coloured skin, sRGB: no map has it.
 const RIM: [f32; 3] = [1.0, 1.0, 1.0];
@@ -78,6 +90,18 @@ impl Palette {
     }
 }
 
+/// How the skin is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SkinLook {
+    /// It hides what lies below.
+    #[default]
+    Opaque,
+    /// It lets through what lies below, less where it is seen aslant. Colours that stand for numbers are then mixed with that.
+    Translucent,
+    /// It is not drawn.
+    Off,
+}
+
 /// Everything to be drawn besides the skin itself. Two equal pictures of one skin look the same.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
@@ -89,16 +113,22 @@ pub struct Picture {
     pub bounds: Aabb,
     /// Colours.
     pub palette: Palette,
-    /// Whether the skin itself is drawn.
-    pub skin: bool,
+    /// How the skin itself is drawn.
+    pub skin: SkinLook,
     /// How the values of the skin colour it; bare skin for `None`, or where it has none.
     pub tint: Option<Tint>,
     /// Whether edges are drawn over the skin.
     pub wireframe: bool,
     /// Drawn with one sample per pixel: for pictures that the next one soon replaces.
     pub draft: bool,
+    /// For two eyes, or for one.
+    pub stereo: Option<Stereo>,
     /// The fingers. The first four cast a shadow.
     pub spheres: Vec<Sphere>,
+    /// Whether they are drawn, beside their shadows: models of fingers may stand for them.
+    pub draws_spheres: bool,
+    /// Bones, hands.
+    pub models: Vec<Placed>,
     /// The forces.
     pub arrows: Vec<Arrow>,
     /// What is laid over the skin.
@@ -109,6 +139,25 @@ impl Picture {
     /// Size, pixels.
     pub fn size(&self) -> Vec2 {
         Vec2::new(f64::from(self.size_px[0]), f64::from(self.size_px[1]))
+    }
+
+    /// Each eye's picture and its place among the pixels that are drawn, and how many of those there are. The halves of an
+    /// anaglyph are drawn side by side and brought together after.
+    fn panes(&self, size_px: [u32; 2]) -> (Vec<Pane>, [u32; 2]) {
+        let size: Vec2 = size_px.map(f64::from).into();
+        match &self.stereo {
+            None => (vec![Pane::whole(self.camera, size)], size_px),
+            Some(stereo) if stereo.is_split() => {
+                (stereo.pictures(&self.camera, size).to_vec(), size_px)
+            }
+            Some(stereo) => {
+                let half = size_px[0].min(LARGEST_PX / 2);
+                let size = Vec2::new(f64::from(half), size.y);
+                let mut panes = stereo.pictures(&self.camera, size).to_vec();
+                panes[1].from.x = size.x;
+                (panes, [2 * half, size_px[1]])
+            }
+        }
     }
 
     /// Pixels per mm at the depth of the camera's target.
@@ -128,6 +177,8 @@ pub struct Painted {
     pub uploaded_values: usize,
     /// Layers and patches of the overlay sent to the graphics card.
     pub uploaded_layers: usize,
+    /// Models sent to the graphics card.
+    pub uploaded_models: usize,
     /// Samples per pixel.
     pub samples: i32,
 }
@@ -146,6 +197,10 @@ pub struct Renderer {
     solids: Solids,
     skin: Option<Skin>,
     layers: Layers,
+    /// Made when a model is first shown, freed when none is.
+    models: Option<Models>,
+    /// Made when an anaglyph is first shown, freed when none is.
+    anaglyph: Option<Anaglyph>,
     /// The fine one and the one for drafts, each made when first drawn on.
     targets: [Option<Target>; 2],
     max_samples: i32,
@@ -202,6 +257,8 @@ impl Renderer {
             solids: Solids::default(),
             skin: None,
             layers: Layers::new(gl)?,
+            models: None,
+            anaglyph: None,
             targets: [None, None],
             max_samples,
             is_software,
@@ -227,7 +284,7 @@ impl Renderer {
         picture: &Picture,
         mesh: &mut SkinMesh,
     ) -> Result<Painted, String> {
-        let size_px = picture.size_px.map(|n| n.clamp(1, 16_384));
+        let size_px = picture.size_px.map(|n| n.clamp(1, LARGEST_PX));
         let mut viewport = [0; 4];
         // SAFETY: the context is current; `viewport` holds the four numbers that GL writes.
         let window = unsafe {
@@ -244,7 +301,7 @@ impl Renderer {
             gl.disable(glow::CULL_FACE);
         }
         let painted = outcome?;
-        self.present(gl, picture.draft);
+        self.present(gl, picture);
         Ok(painted)
     }
 
@@ -275,13 +332,14 @@ impl Renderer {
             changed |= picture.tint.is_some() && !skin.holds(mesh.values());
             uploaded_values = skin.follow_values(gl, mesh, picture.tint.is_some())?;
         }
+        let (panes, drawn_px) = picture.panes(size_px);
         let target = &mut self.targets[usize::from(picture.draft)];
-        if target.as_ref().map(Target::size_px) != Some(size_px) {
+        if target.as_ref().map(Target::size_px) != Some(drawn_px) {
             if let Some(old) = target.take() {
                 old.delete(gl);
             }
             let samples = if picture.draft { 1 } else { 4 };
-            *target = Some(Target::new(gl, size_px, self.max_samples.min(samples))?);
+            *target = Some(Target::new(gl, drawn_px, self.max_samples.min(samples))?);
             changed = true;
         }
         let Some(target) = &self.targets[usize::from(picture.draft)] else {
@@ -292,6 +350,7 @@ impl Renderer {
             uploaded_vertices,
             uploaded_values,
             uploaded_layers: 0,
+            uploaded_models: 0,
             samples: target.samples(),
         };
         if !changed {
@@ -299,34 +358,102 @@ impl Renderer {
         }
         self.shown = None;
         target.begin(gl);
-        self.draw_floor(gl, &picture.palette);
-        let light = Light::of(picture);
+        if panes.len() > 1 && drawn_px[0] % 2 == 1 {
+            // An odd pixel parts the halves.
+            self.draw_floor(gl, &picture.palette);
+        }
         self.upload_solids(gl, picture);
-        if let Some(skin) = &mut self.skin {
-            let tint = picture.tint.filter(|_| skin.has_values());
-            if let Some(tint) = tint.filter(|_| picture.skin) {
-                let tinting = match &mut self.tinting {
-                    Some(tinting) => tinting,
-                    None => self.tinting.insert(Tinting::new(gl)?),
-                };
-                skin.draw_tinted(gl, tinting, &tint, picture, &light);
-            } else if picture.skin {
-                skin.draw(gl, &self.skin_programs, picture, &light);
-            }
-            if picture.wireframe {
-                skin.draw_wire(gl, &self.skin_programs, picture, &light, mesh)?;
-            }
+        painted.uploaded_models = self.follow_models(gl, picture)?;
+        self.skin_programs.follow(gl, picture.skin)?;
+        if let Some(skin) = &self.skin {
             let vertices = (skin.mesh_id(), skin.vertex_buffer());
             painted.uploaded_layers = self.layers.upload(gl, &picture.overlay, vertices)?;
         }
-        self.draw_solids(gl, &light, picture.tint.is_some());
-        // Last: it lets what lies behind show through.
-        self.layers.draw(gl, &picture.overlay, &light);
+        for pane in &panes {
+            let [x, y, w, h] =
+                [pane.from.x, pane.from.y, pane.size.x, pane.size.y].map(|n| n as i32);
+            // SAFETY: the context is current.
+            unsafe { gl.viewport(x, y, w, h) };
+            self.draw_pane(gl, picture, mesh, pane)?;
+        }
         if let Some(target) = &self.targets[usize::from(picture.draft)] {
             target.resolve(gl);
         }
         self.shown = Some(picture.clone());
         Ok(painted)
+    }
+
+    /// Draws one eye's picture in the viewport.
+    fn draw_pane(
+        &mut self,
+        gl: &glow::Context,
+        picture: &Picture,
+        mesh: &SkinMesh,
+        pane: &Pane,
+    ) -> Result<(), String> {
+        self.draw_floor(gl, &picture.palette);
+        let light = Light::of(picture, &pane.camera, pane.size);
+        let coloured = picture.tint.is_some();
+        let translucent = picture.skin == SkinLook::Translucent;
+        if let Some(models) = &self.models {
+            models.draw(gl, &picture.models, &light, coloured.then_some(RIM));
+        }
+        if translucent {
+            // What of a finger is in the skin is seen through it.
+            self.draw_solids(gl, &light, coloured);
+        }
+        if let Some(skin) = &mut self.skin {
+            if translucent {
+                skin.draw_depth(gl, &self.skin_programs, &light);
+            }
+            let tint = picture.tint.filter(|_| skin.has_values());
+            if picture.skin == SkinLook::Off {
+            } else if let Some(tint) = tint {
+                let held = self.tinting.take();
+                let tinting = match held {
+                    Some(held) if held.is_translucent() == translucent => held,
+                    held => {
+                        if let Some(held) = held {
+                            held.delete(gl);
+                        }
+                        Tinting::new(gl, translucent)?
+                    }
+                };
+                skin.draw_tinted(gl, self.tinting.insert(tinting), &tint, picture, &light);
+            } else {
+                skin.draw(gl, &self.skin_programs, picture, &light);
+            }
+            if picture.wireframe {
+                skin.draw_wire(gl, &self.skin_programs, picture, &light, mesh)?;
+            }
+        }
+        if !translucent {
+            self.draw_solids(gl, &light, coloured);
+        }
+        // Last: it lets what lies behind show through.
+        self.layers.draw(gl, &picture.overlay, &light);
+        Ok(())
+    }
+
+    /// Makes or frees what models and anaglyph need; returns how many models went up.
+    fn follow_models(&mut self, gl: &glow::Context, picture: &Picture) -> Result<usize, String> {
+        let anaglyph = picture.stereo.is_some_and(|s| !s.is_split());
+        if anaglyph && self.anaglyph.is_none() {
+            self.anaglyph = Some(Anaglyph::new(gl)?);
+        } else if !anaglyph && let Some(old) = self.anaglyph.take() {
+            old.delete(gl);
+        }
+        if picture.models.is_empty() {
+            if let Some(old) = self.models.take() {
+                old.delete(gl);
+            }
+            return Ok(0);
+        }
+        let models = match &mut self.models {
+            Some(models) => models,
+            None => self.models.insert(Models::new(gl)?),
+        };
+        models.upload(gl, &picture.models)
     }
 
     fn draw_floor(&self, gl: &glow::Context, palette: &Palette) {
@@ -348,7 +475,7 @@ impl Renderer {
 
     fn upload_solids(&mut self, gl: &glow::Context, picture: &Picture) {
         self.solids.clear();
-        for sphere in &picture.spheres {
+        for sphere in picture.spheres.iter().filter(|_| picture.draws_spheres) {
             sphere.add_to(&mut self.solids);
         }
         // Arrows are too thin for a rim.
@@ -402,11 +529,14 @@ impl Renderer {
         }
     }
 
-    fn present(&self, gl: &glow::Context, draft: bool) {
-        let Some(target) = &self.targets[usize::from(draft)] else {
+    fn present(&self, gl: &glow::Context, picture: &Picture) {
+        let Some(target) = &self.targets[usize::from(picture.draft)] else {
             return;
         };
-        let program = self.present.bind(gl);
+        let program = match &self.anaglyph {
+            Some(anaglyph) => anaglyph.bind(gl),
+            None => self.present.bind(gl),
+        };
         program.int("u_picture", 0);
         // SAFETY: the context is current; three vertices without attributes.
         unsafe {
@@ -437,6 +567,12 @@ impl Renderer {
         self.skin_programs.delete(gl);
         if let Some(tinting) = self.tinting {
             tinting.delete(gl);
+        }
+        if let Some(models) = self.models {
+            models.delete(gl);
+        }
+        if let Some(anaglyph) = self.anaglyph {
+            anaglyph.delete(gl);
         }
     }
 }

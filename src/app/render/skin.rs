@@ -1,12 +1,12 @@
 //! The skin's buffers on the graphics card, and its drawing: shaded surface and wire overlay.
 #![allow(unsafe_code, reason = "OpenGL calls are unsafe by signature")] // OpenGL is a C interface; see `gl`.
 
-use super::Picture;
 use super::gl::{Bound, Program, VertexArray, attribute};
 use super::light::Light;
 use super::mesh::{PLAIN_SHADE, SkinMesh, SkinVertex, edges};
 use super::tint::{Tint, TintBuffer, Tinting};
 use super::values::Values;
+use super::{Picture, SkinLook};
 use eframe::glow::{self, HasContext as _};
 use std::ops::Range;
 
@@ -20,6 +20,39 @@ pub struct SkinPrograms {
     /// With pores: a program of its own, since their noise is most of its cost and mostly too fine to be seen.
     pores: Program,
     wire: Program,
+    /// Made when a translucent skin is first shown, freed when none is.
+    glass: Option<Glass>,
+}
+
+/// Programs for a skin that lets through what lies below it.
+#[derive(Debug)]
+struct Glass {
+    depth: Program,
+    skin: Program,
+}
+
+impl Glass {
+    fn new(gl: &glow::Context) -> Result<Self, String> {
+        Ok(Self {
+            depth: Program::new(
+                gl,
+                "depth of the skin",
+                SKIN_VERT,
+                include_str!("shaders/depth.frag"),
+            )?,
+            skin: Program::new(
+                gl,
+                "translucent skin",
+                SKIN_VERT,
+                &format!("#define TRANSLUCENT\n{SKIN_FRAG}"),
+            )?,
+        })
+    }
+
+    fn delete(self, gl: &glow::Context) {
+        self.depth.delete(gl);
+        self.skin.delete(gl);
+    }
 }
 
 impl SkinPrograms {
@@ -42,7 +75,25 @@ impl SkinPrograms {
                 include_str!("shaders/wire.vert"),
                 include_str!("shaders/wire.frag"),
             )?,
+            glass: None,
         })
+    }
+
+    /// Makes what a translucent skin needs, or frees it.
+    ///
+    /// # Errors
+    /// What the driver's compiler says.
+    pub fn follow(&mut self, gl: &glow::Context, look: SkinLook) -> Result<(), String> {
+        match (look, self.glass.is_some()) {
+            (SkinLook::Translucent, false) => self.glass = Some(Glass::new(gl)?),
+            (SkinLook::Opaque | SkinLook::Off, true) => {
+                if let Some(glass) = self.glass.take() {
+                    glass.delete(gl);
+                }
+            }
+            _ => {}
+        }
+        Ok(())
     }
 
     /// Frees them.
@@ -50,8 +101,14 @@ impl SkinPrograms {
         self.skin.delete(gl);
         self.pores.delete(gl);
         self.wire.delete(gl);
+        if let Some(glass) = self.glass {
+            glass.delete(gl);
+        }
     }
 }
+
+/// Opacity of translucent skin that faces the eye, bare and coloured: colours must still be told apart.
+const OPACITY: [f32; 2] = [0.46, 0.60];
 
 /// Linear colour of skin.
 const SKIN_ALBEDO: [f32; 3] = [0.680, 0.422, 0.315];
@@ -226,12 +283,18 @@ impl Skin {
         light: &Light,
     ) {
         let Some(buffer) = &self.tint else { return };
+        let layer = if tinting.is_translucent() {
+            LayerOf::Glass
+        } else {
+            LayerOf::Solid
+        };
         let program = tinting.bind(gl, tint);
         light.set(&program);
         program.float("u_flat", light.flat());
+        program.float("u_opacity", OPACITY[1]);
         set_fingers(&program, picture);
         buffer.set_constant(gl);
-        self.draw_triangles(gl, &buffer.array);
+        self.draw_triangles(gl, &buffer.array, layer);
         // SAFETY: the context is current.
         unsafe { gl.bind_texture(glow::TEXTURE_2D, None) };
     }
@@ -246,29 +309,56 @@ impl Skin {
     ) {
         // Pores are about 1 mm apart: they fade in between 3 and 7 pixels.
         let pores = ((picture.target_px_per_mm() - 3.0) / 4.0).clamp(0.0, 1.0) as f32;
-        let program = if pores > 0.0 {
-            programs.pores.bind(gl)
-        } else {
-            programs.skin.bind(gl)
+        let (program, layer) = match &programs.glass {
+            Some(glass) => (glass.skin.bind(gl), LayerOf::Glass),
+            None if pores > 0.0 => (programs.pores.bind(gl), LayerOf::Solid),
+            None => (programs.skin.bind(gl), LayerOf::Solid),
         };
         light.set(&program);
         let dark = picture.palette.dark;
         program.vec3("u_albedo", SKIN_ALBEDO);
         program.float("u_exposure", if dark { 0.90 } else { 1.0 });
         program.float("u_pores", pores);
+        program.float("u_opacity", OPACITY[0]);
         set_fingers(&program, picture);
-        self.draw_triangles(gl, &self.array);
+        self.draw_triangles(gl, &self.array, layer);
     }
 
-    fn draw_triangles(&self, gl: &glow::Context, array: &VertexArray) {
+    /// Draws the depth of the nearest layer of a translucent skin, and nothing else: the colour drawn after it is then that of
+    /// one layer at each place, whatever the order of the triangles.
+    pub fn draw_depth(&self, gl: &glow::Context, programs: &SkinPrograms, light: &Light) {
+        let Some(glass) = &programs.glass else { return };
+        let program = glass.depth.bind(gl);
+        light.set_matrix(&program);
+        // SAFETY: the context is current.
+        unsafe { gl.color_mask(false, false, false, false) };
+        self.draw_triangles(gl, &self.array, LayerOf::Solid);
+        // SAFETY: as above.
+        unsafe { gl.color_mask(true, true, true, true) };
+    }
+
+    fn draw_triangles(&self, gl: &glow::Context, array: &VertexArray, layer: LayerOf) {
         // SAFETY: the context is current and every index lies within the vertex buffer (a `Surface` guarantees it).
         unsafe {
-            gl.disable(glow::BLEND);
             gl.enable(glow::DEPTH_TEST);
-            gl.depth_func(glow::LESS);
+            match layer {
+                LayerOf::Solid => {
+                    gl.disable(glow::BLEND);
+                    gl.depth_func(glow::LESS);
+                }
+                LayerOf::Glass => {
+                    gl.enable(glow::BLEND);
+                    gl.blend_equation(glow::FUNC_ADD);
+                    gl.blend_func(glow::SRC_ALPHA, glow::ONE_MINUS_SRC_ALPHA);
+                    gl.depth_func(glow::LEQUAL);
+                    gl.depth_mask(false);
+                }
+            }
             gl.bind_vertex_array(Some(array.vao));
             gl.draw_elements(glow::TRIANGLES, self.n_indices, glow::UNSIGNED_INT, 0);
             gl.bind_vertex_array(None);
+            gl.depth_mask(true);
+            gl.disable(glow::BLEND);
         }
     }
 
@@ -344,6 +434,15 @@ impl Skin {
             tint.delete(gl);
         }
     }
+}
+
+/// How a layer of skin is laid on.
+#[derive(Clone, Copy)]
+enum LayerOf {
+    /// It covers what lies below.
+    Solid,
+    /// It is blended over what lies below, where its depth has been drawn.
+    Glass,
 }
 
 /// Binds a skin's buffers and declares its attributes in the bound vertex array.

@@ -29,17 +29,23 @@ const VALUE: u32 = 3;
 #[derive(Debug)]
 pub struct Tinting {
     program: Program,
+    translucent: bool,
     table: glow::Texture,
     map: Option<Map>,
 }
 
 impl Tinting {
-    /// Compiles the program.
+    /// Compiles the program, for a skin that lets through what lies below or for one that does not.
     ///
     /// # Errors
     /// What the driver's compiler says.
-    pub fn new(gl: &glow::Context) -> Result<Self, String> {
-        let with_tint = |text: &str| format!("#define TINT\n{text}");
+    pub fn new(gl: &glow::Context, translucent: bool) -> Result<Self, String> {
+        let define = if translucent {
+            "#define TINT\n#define TRANSLUCENT"
+        } else {
+            "#define TINT"
+        };
+        let with_tint = |text: &str| format!("{define}\n{text}");
         let program = Program::new(
             gl,
             "coloured skin",
@@ -50,9 +56,15 @@ impl Tinting {
         let table = unsafe { gl.create_texture()? };
         Ok(Self {
             program,
+            translucent,
             table,
             map: None,
         })
+    }
+
+    /// Whether it was made for a translucent skin.
+    pub fn is_translucent(&self) -> bool {
+        self.translucent
     }
 
     /// Makes the program current, with the table of `tint` in texture unit 0.

@@ -16,6 +16,7 @@ use super::palpate::{Input, SkinPoint, Targets};
 use super::{BackView, PanelContext};
 use crate::app::camera::Ray;
 use crate::app::render::pixels;
+use crate::app::stereo::Pane;
 use crate::geom::{Vec2, Vec3, unit_or};
 use crate::partition::{Partition as _, Sides};
 use crate::scenario::Scene;
@@ -53,6 +54,16 @@ struct Hands {
     modifiers: egui::Modifiers,
 }
 
+impl Hands {
+    /// The same as seen from one picture's corner.
+    fn in_pane(self, pane: &Pane) -> Self {
+        Self {
+            hover: self.hover.map(|p| p - pane.from),
+            ..self
+        }
+    }
+}
+
 impl BackView {
     /// Reads pointer and keys: moves the camera, and sends the mouse fingers where they are wanted.
     pub(super) fn take_gestures(
@@ -80,11 +91,14 @@ impl BackView {
             .find(|&b| i.pointer.button_down(b)),
             modifiers: i.modifiers,
         });
+        // What is pointed at belongs to the picture under the cursor: there are two of them for two eyes.
+        let pane = self.pane_at(hands.hover, size);
+        let (hands, size) = (hands.in_pane(&pane), pane.size);
         let Some(skin) = &self.skin else { return };
         let scene = skin.scene();
         let cursor = hands
             .hover
-            .and_then(|p| skin_under(scene, &self.camera.ray(p, size)));
+            .and_then(|p| skin_under(scene, &pane.camera.ray(p, size)));
         let n_fingers = if cx.view.playback.is_some() {
             0
         } else {
@@ -126,7 +140,7 @@ impl BackView {
             } else {
                 let factor = (hands.wheel * 0.0025).exp() * hands.pinch;
                 let about =
-                    cursor.map_or_else(|| self.camera.at_target_depth(pixel, size), |c| c.point_mm);
+                    cursor.map_or_else(|| pane.camera.at_target_depth(pixel, size), |c| c.point_mm);
                 looked |= factor != 1.0 && self.camera.zoom(factor, about);
             }
         }

@@ -9,12 +9,22 @@
 //! | `footprints` | how far a press reaches |
 //! | `colour`, `ramp` | what colours it, and the legend of that |
 //! | `stage` | what the paint callback needs |
-//! | `overlay`, `toolbar` | numbers, scale, hint and buttons over the picture |
+//! | [`options`] | what is shown beside the skin, kept from run to run |
+//! | `anatomy` | bones below it, hands upon it |
+//! | `labels` | where names of landmarks stand |
+//! | `overlay`, `toolbar`, `look` | numbers, scale, hint, buttons and menus over the picture |
+//!
+//! All that is drawn comes from the scene in [`View`] and from what the fingers met: where that scene is a blinded one, nothing
+//! here knows another. What a finger tells of stiffness is left out while [`View::blind`] is set.
 
+mod anatomy;
 mod colour;
 mod footprints;
 mod gesture;
+mod labels;
+mod look;
 pub mod model;
+pub mod options;
 mod overlay;
 pub mod palpate;
 mod ramp;
@@ -25,13 +35,16 @@ mod toolbar;
 use super::{Panel, PanelContext};
 use crate::app::camera::{Camera, Glide, Preset};
 use crate::app::render::{Palette, Picture, arrow::Arrow, layer::Overlay, pixels, sphere::Sphere};
-use crate::app::state::View;
+use crate::app::state::{PartCost, View};
+use crate::app::stereo::{Pane, panes};
 use crate::app::widgets::empty_ui;
 use crate::geom::{Vec2, Vec3};
 use crate::scenario::Item;
+use anatomy::Anatomy;
 use colour::SurfaceColour;
 use egui_material_icons::icons as icon;
 use gesture::Gesture;
+use options::Options;
 pub(super) use overlay::plate;
 use palpate::{Palpation, Targets};
 use skin::DrawnSkin;
@@ -40,58 +53,6 @@ pub(super) use toolbar::preset_text;
 
 /// Colours over the skin and what they mean.
 type Legend = Vec<(egui::Color32, &'static str)>;
-
-/// What is shown beside the skin.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Options {
-    /// Edges of the triangles.
-    pub wireframe: bool,
-    /// Forces as arrows.
-    pub arrows: bool,
-    /// Names of landmarks.
-    pub landmarks: bool,
-    /// How far presses reach.
-    pub footprints: bool,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            wireframe: false,
-            arrows: true,
-            landmarks: false,
-            footprints: false,
-        }
-    }
-}
-
-impl Options {
-    /// What is not as at first, as words with a space before each.
-    fn kept(self) -> String {
-        [
-            (self.wireframe, " wireframe"),
-            (!self.arrows, " no-arrows"),
-            (self.landmarks, " landmarks"),
-            (self.footprints, " footprints"),
-        ]
-        .into_iter()
-        .filter_map(|(on, word)| on.then_some(word))
-        .collect()
-    }
-
-    /// Takes that back; other words are not its own.
-    fn recall(&mut self, kept: &str) {
-        for word in kept.split_whitespace() {
-            match word {
-                "wireframe" => self.wireframe = true,
-                "no-arrows" => self.arrows = false,
-                "landmarks" => self.landmarks = true,
-                "footprints" => self.footprints = true,
-                _ => {}
-            }
-        }
-    }
-}
 
 /// The Back view.
 #[derive(Default)]
@@ -115,6 +76,9 @@ pub struct BackView {
     pressed_once: bool,
     options: Options,
     colour: SurfaceColour,
+    anatomy: Anatomy,
+    /// Which of two pictures a drag began in.
+    pane: usize,
     /// Where the toolbar ended on the right when it was last drawn: it is as wide as its words.
     toolbar_end: f32,
 }
@@ -139,12 +103,17 @@ impl Panel for BackView {
     fn release(&mut self, view: &View) {
         if self.skin.take().is_some() {
             self.colour.forget(&self.stage);
+            self.anatomy = Anatomy::default();
             self.stage.lock().release(view.gl.as_deref());
             for item in [
                 Item::Deformation,
                 Item::TangentialField,
                 Item::GraphicsMesh,
                 Item::SurfaceColour,
+                Item::DrawnBones,
+                Item::LandmarkNames,
+                Item::HandModel,
+                Item::SecondEye,
             ] {
                 view.parts.remove(item);
             }
@@ -201,7 +170,10 @@ impl Panel for BackView {
         let Some(skin) = &mut self.skin else { return };
         let strain = self.colour.strain();
         let moved = skin.update(&cx.view.fingers, &self.stage, strain);
-        skin.report(&cx.view.parts, &self.stage);
+        if !self.options.anatomy.landmarks {
+            skin.forget_marks();
+        }
+        self.anatomy.follow(scene, &self.options);
         let ctx = ui.ctx().clone();
         self.colour
             .follow(scene, skin.displacement(), moved, &self.stage, || {
@@ -226,6 +198,16 @@ impl Panel for BackView {
         self.pressed_once |= fingers.iter().any(|f| f.hip_mm.is_some());
         let tree = over_the_skin(ui.ctx(), cx.view);
         let mut picture = self.picture(cx, &fingers);
+        picture.models = {
+            let hands = self.options.anatomy.hands;
+            self.anatomy.models(&fingers, &cx.view.theme, hands)
+        };
+        for placed in &picture.models {
+            if !placed.is_finger {
+                picture.bounds = picture.bounds.union(placed.model.bounds());
+            }
+        }
+        let Some(skin) = &self.skin else { return };
         picture.tint = self.colour.tint();
         let mut legend = Vec::new();
         if let Some((overlay, entries)) = tree {
@@ -239,6 +221,8 @@ impl Panel for BackView {
             rect,
             &overlay::Shown {
                 camera: &self.camera,
+                panes: &panes(self.options.stereo.as_ref(), &self.camera, size),
+                blind: cx.view.blind,
                 theme: &cx.view.theme,
                 skin,
                 fingers: &fingers,
@@ -251,6 +235,7 @@ impl Panel for BackView {
                 toolbar_end: self.toolbar_end,
             },
         );
+        self.report(cx.view);
         self.toolbar(ui, rect, cx, &fingers);
         if let (Some(strip), Some(skin)) = (strip, &self.skin) {
             let theme = &cx.view.theme;
@@ -272,6 +257,34 @@ fn over_the_skin(ctx: &egui::Context, view: &View) -> Option<(Overlay, Legend)> 
 }
 
 impl BackView {
+    /// Tells the ledger what is held.
+    fn report(&self, view: &View) {
+        let parts = &view.parts;
+        if let Some(skin) = &self.skin {
+            skin.report(parts, &self.stage);
+        }
+        self.anatomy.report(parts);
+        if self.options.stereo.is_some() {
+            // The larger picture is on the graphics card alone.
+            parts.report(Item::SecondEye, PartCost::default());
+        } else {
+            parts.remove(Item::SecondEye);
+        }
+    }
+
+    /// The picture to be pointed at: that of the pixel, or that in which a drag began.
+    fn pane_at(&mut self, pixel: Option<Vec2>, size: Vec2) -> Pane {
+        let panes = panes(self.options.stereo.as_ref(), &self.camera, size);
+        if self.gesture.is_none()
+            && let Some(found) = pixel.and_then(|p| panes.iter().position(|pane| pane.holds(p)))
+        {
+            self.pane = found;
+        }
+        let whole = Pane::whole(self.camera, size);
+        let chosen = panes.get(self.pane).or(panes.first());
+        chosen.copied().unwrap_or(whole)
+    }
+
     fn follow_scene(
         &mut self,
         ctx: &egui::Context,
@@ -302,6 +315,7 @@ impl BackView {
 
     /// Lets a glide go on; keeps a preset framed while the panel is resized.
     fn move_camera(&mut self, ctx: &egui::Context, size: Vec2) {
+        let size = self.pane_size(size);
         if let Some(glide) = &mut self.glide {
             let dt_s = f64::from(ctx.input(|i| i.stable_dt)).min(0.05);
             let (camera, arrived) = glide.step(dt_s);
@@ -324,8 +338,15 @@ impl BackView {
         }
     }
 
+    /// Size of one eye's picture in a panel of `size`.
+    fn pane_size(&self, size: Vec2) -> Vec2 {
+        let panes = panes(self.options.stereo.as_ref(), &self.camera, size);
+        panes.first().map_or(size, |pane| pane.size)
+    }
+
     /// Glides to a preset.
     fn go_to(&mut self, preset: Preset, fingers: &[model::Finger], size: Vec2) {
+        let size = self.pane_size(size);
         let Some(skin) = &self.skin else { return };
         // On its way to the button the cursor has taken the finger along: the press is what one wants to see.
         let touching = fingers.iter().find(|f| f.hip_mm.is_some());
@@ -353,7 +374,10 @@ impl BackView {
             size_px: [1, 1],
             bounds,
             palette: Palette::of(theme),
-            skin: true,
+            skin: self.options.skin,
+            stereo: self.options.stereo,
+            draws_spheres: !self.options.anatomy.hands,
+            models: Vec::new(),
             tint: None,
             wireframe: self.options.wireframe,
             draft: false,
@@ -375,27 +399,6 @@ impl BackView {
                 })
                 .collect(),
             overlay: Overlay::default(),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_option_is_taken_back_as_it_was_kept() {
-        for i in 0..16 {
-            let bit = |k: i32| i >> k & 1 == 1;
-            let options = Options {
-                wireframe: bit(0),
-                arrows: bit(1),
-                landmarks: bit(2),
-                footprints: bit(3),
-            };
-            let mut again = Options::default();
-            again.recall(&format!("colour=skin{} unknown", options.kept()));
-            assert_eq!(again, options);
         }
     }
 }

@@ -110,7 +110,12 @@ pub struct Mark {
     pub point_mm: Vec3,
     /// The triangle it lies on.
     pub triangle: u32,
+    /// The lower, the sooner its name gets a place.
+    pub rank: u8,
 }
+
+/// Levels that are named before the others: one finds the rest from them.
+const FIRST_NAMED: [&str; 8] = ["C7", "T1", "T4", "T7", "T10", "L1", "L3", "L5"];
 
 /// The landmarks of a scene on the built-in back; a mesh from a file has none.
 pub fn marks(scene: &Scene) -> Vec<Mark> {
@@ -131,10 +136,16 @@ pub fn marks(scene: &Scene) -> Vec<Mark> {
                 Kind::Transverse => String::new(),
                 _ => sentence_case(&landmark.name),
             };
+            let rank = match landmark.kind {
+                Kind::Spinous if !FIRST_NAMED.contains(&landmark.level) => 1,
+                Kind::Transverse => 2,
+                _ => 0,
+            };
             Some(Mark {
                 text,
                 point_mm: near.point,
                 triangle: near.triangle,
+                rank,
             })
         })
         .collect()

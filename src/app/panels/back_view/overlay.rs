@@ -1,18 +1,25 @@
 //! Numbers, scale, labels and the hint over the picture.
 
-use super::Options;
+use super::labels::{self, Wish};
 use super::model::{self, Finger};
+use super::options::Options;
 use super::palpate::Palpation;
 use super::skin::DrawnSkin;
 use crate::app::camera::Camera;
 use crate::app::render::pixels;
+use crate::app::stereo::Pane;
 use crate::app::theme::Theme;
 use crate::geom::Vec3;
 use egui::{Align2, Color32, FontId, RichText, Stroke, pos2, vec2};
+use std::sync::Arc;
 
 /// What the overlay shows.
 pub struct Shown<'a> {
     pub camera: &'a Camera,
+    /// The pictures: one, or one for each eye.
+    pub panes: &'a [Pane],
+    /// Whether what fingers tell of stiffness is kept back.
+    pub blind: bool,
     pub theme: &'a Theme,
     pub skin: &'a DrawnSkin,
     pub fingers: &'a [Finger],
@@ -45,14 +52,20 @@ pub fn plate(theme: &Theme) -> egui::Frame {
 /// Draws everything over the picture in `rect`, save the toolbar.
 pub fn show(ui: &mut egui::Ui, rect: egui::Rect, shown: &Shown<'_>) {
     let painter = ui.painter().with_clip_rect(rect);
-    if shown.options.landmarks {
-        landmarks(&painter, rect, shown);
-    }
-    if shown.options.footprints {
-        footprints(&painter, rect, shown);
-    }
-    for finger in shown.fingers {
-        finger_marks(&painter, rect, shown, finger);
+    for pane in shown.panes {
+        let corner = rect.min + pixels::pos(pane.from).to_vec2();
+        let size = pixels::pos(pane.size).to_vec2();
+        let place = egui::Rect::from_min_size(corner, size);
+        let painter = ui.painter().with_clip_rect(place);
+        if shown.options.anatomy.landmarks {
+            landmarks(&painter, place, shown, &pane.camera, rect);
+        }
+        if shown.options.footprints {
+            footprints(&painter, place, shown, &pane.camera);
+        }
+        for finger in shown.fingers {
+            finger_marks(&painter, place, shown, &pane.camera, finger);
+        }
     }
     let scale_end = scale(&painter, rect, shown);
     numbers_ui(ui, rect, shown);
@@ -73,11 +86,20 @@ fn on_screen(rect: egui::Rect, camera: &Camera, point_mm: Vec3) -> Option<egui::
     Some(rect.min + pixels::pos(p).to_vec2())
 }
 
-/// Dots and names of the landmarks that face the eye, carried along by the deformed skin.
-fn landmarks(painter: &egui::Painter, rect: egui::Rect, shown: &Shown<'_>) {
-    let scene = shown.skin.scene();
+/// Dots and names of the landmarks that face the eye, carried along by the deformed skin. Names that have no room are left
+/// out; `whole` is what toolbar and numbers lie over.
+fn landmarks(
+    painter: &egui::Painter,
+    rect: egui::Rect,
+    shown: &Shown<'_>,
+    camera: &Camera,
+    whole: egui::Rect,
+) {
+    let (scene, theme) = (shown.skin.scene(), shown.theme);
+    let mut wishes = Vec::new();
+    let mut names = Vec::new();
     for mark in shown.skin.marks() {
-        if !model::is_seen(scene, shown.camera, mark.point_mm) {
+        if !model::is_seen(scene, camera, mark.point_mm) {
             continue;
         }
         let at =
@@ -85,30 +107,48 @@ fn landmarks(painter: &egui::Painter, rect: egui::Rect, shown: &Shown<'_>) {
                 .skin
                 .displacement()
                 .carried_point(&scene.surface, mark.triangle, mark.point_mm);
-        let Some(at) = on_screen(rect, shown.camera, at) else {
+        let Some(at) = on_screen(rect, camera, at) else {
             continue;
         };
-        let theme = shown.theme;
-        painter.circle(at, 2.2, theme.text, Stroke::new(1.0, theme.panel));
+        let radius = if mark.text.is_empty() { 1.6 } else { 2.4 };
+        painter.circle(at, radius, theme.text, Stroke::new(1.0, theme.panel));
         if !mark.text.is_empty() {
-            label(
-                painter,
-                theme,
-                at + vec2(10.0, -7.0),
-                mark.text.clone(),
-                FontId::proportional(11.0),
-            );
+            let font = FontId::proportional(11.0);
+            let text = painter.layout_no_wrap(mark.text.clone(), font, theme.text);
+            wishes.push(Wish {
+                at,
+                size: text.size(),
+                on_left: mark.point_mm.x < -1.0,
+                rank: mark.rank,
+            });
+            names.push(text);
+        }
+    }
+    let toolbar = egui::Rect::from_min_max(
+        whole.min,
+        pos2(shown.toolbar_end.max(whole.left()), whole.top() + 42.0),
+    );
+    let mut taken = vec![toolbar, numbers_rect(whole, shown)];
+    for finger in shown.fingers {
+        if let Some((at, text)) = force_label(painter, rect, shown, camera, finger) {
+            taken.push(egui::Rect::from_min_size(at, text.size()).expand2(vec2(4.0, 1.0)));
+        }
+    }
+    let places = labels::placed(&wishes, &taken, rect);
+    for (text, place) in names.into_iter().zip(places) {
+        if let Some(place) = place {
+            label(painter, theme, place.min, text);
         }
     }
 }
 
 /// The boundaries of the presses where they face the eye: outer lines drawn out, inner ones dashed.
-fn footprints(painter: &egui::Painter, rect: egui::Rect, shown: &Shown<'_>) {
+fn footprints(painter: &egui::Painter, rect: egui::Rect, shown: &Shown<'_>, camera: &Camera) {
     let scene = shown.skin.scene();
     for boundary in shown.skin.boundaries() {
         let seen = |&[rest, carried]: &[Vec3; 2]| {
-            let seen = model::is_seen(scene, shown.camera, rest);
-            on_screen(rect, shown.camera, carried).filter(|_| seen)
+            let seen = model::is_seen(scene, camera, rest);
+            on_screen(rect, camera, carried).filter(|_| seen)
         };
         let points: Vec<_> = (boundary.points.iter())
             .map(|p| p.as_ref().and_then(seen))
@@ -133,8 +173,7 @@ fn footprints(painter: &egui::Painter, rect: egui::Rect, shown: &Shown<'_>) {
 }
 
 /// Text on a small plate, its top left at `at`.
-fn label(painter: &egui::Painter, theme: &Theme, at: egui::Pos2, words: String, font: FontId) {
-    let text = painter.layout_no_wrap(words, font, theme.text);
+fn label(painter: &egui::Painter, theme: &Theme, at: egui::Pos2, text: Arc<egui::Galley>) {
     let place = egui::Rect::from_min_size(at, text.size());
     painter.rect_filled(
         place.expand2(vec2(4.0, 1.0)),
@@ -145,9 +184,15 @@ fn label(painter: &egui::Painter, theme: &Theme, at: egui::Pos2, words: String, 
 }
 
 /// The device's place under the skin, and the force in newtons at the arrow's tip.
-fn finger_marks(painter: &egui::Painter, rect: egui::Rect, shown: &Shown<'_>, finger: &Finger) {
+fn finger_marks(
+    painter: &egui::Painter,
+    rect: egui::Rect,
+    shown: &Shown<'_>,
+    camera: &Camera,
+    finger: &Finger,
+) {
     let color = shown.theme.finger(finger.index);
-    if let Some(hip) = finger.hip_mm.and_then(|p| on_screen(rect, shown.camera, p)) {
+    if let Some(hip) = finger.hip_mm.and_then(|p| on_screen(rect, camera, p)) {
         painter.circle(
             hip,
             3.0,
@@ -155,19 +200,27 @@ fn finger_marks(painter: &egui::Painter, rect: egui::Rect, shown: &Shown<'_>, fi
             Stroke::new(1.2, Color32::WHITE.gamma_multiply(0.85)),
         );
     }
-    let newtons = finger.force_n.length();
-    if shown.options.arrows && newtons >= 0.1 {
-        let tip = finger.arrow_from_mm() + finger.arrow_mm();
-        if let Some(tip) = on_screen(rect, shown.camera, tip) {
-            label(
-                painter,
-                shown.theme,
-                tip + vec2(10.0, -8.0),
-                format!("{newtons:.1} N"),
-                FontId::monospace(12.0),
-            );
-        }
+    if let Some((at, text)) = force_label(painter, rect, shown, camera, finger) {
+        label(painter, shown.theme, at, text);
     }
+}
+
+/// The force in newtons and where its text stands, beside the arrow's tip.
+fn force_label(
+    painter: &egui::Painter,
+    rect: egui::Rect,
+    shown: &Shown<'_>,
+    camera: &Camera,
+    finger: &Finger,
+) -> Option<(egui::Pos2, Arc<egui::Galley>)> {
+    let newtons = finger.force_n.length();
+    if !shown.options.arrows || newtons < 0.1 {
+        return None;
+    }
+    let tip = on_screen(rect, camera, finger.arrow_from_mm() + finger.arrow_mm())?;
+    let words = format!("{newtons:.1} N");
+    let text = painter.layout_no_wrap(words, FontId::monospace(12.0), shown.theme.text);
+    Some((tip + vec2(10.0, -8.0), text))
 }
 
 /// A bar of round length and an arrow of round force, at the depth the camera looks at. Returns where they end on the right.
@@ -221,13 +274,7 @@ fn numbers_ui(ui: &mut egui::Ui, rect: egui::Rect, shown: &Shown<'_>) {
     if shown.n_fingers == 0 {
         return;
     }
-    let mut place = rect.shrink(8.0);
-    let width: f64 = COLUMNS.iter().sum();
-    place.min.x = place.max.x - pixels::points(width) - 12.0;
-    if place.min.x < shown.toolbar_end + 8.0 {
-        // Beside the toolbar there is no room: below it.
-        place.min.y += 34.0;
-    }
+    let place = numbers_rect(rect, shown);
     let builder = egui::UiBuilder::new()
         .max_rect(place)
         .layout(egui::Layout::top_down(egui::Align::Min));
@@ -249,6 +296,19 @@ fn numbers_ui(ui: &mut egui::Ui, rect: egui::Rect, shown: &Shown<'_>) {
             }
         });
     });
+}
+
+/// Where the numbers stand, and room below them.
+fn numbers_rect(rect: egui::Rect, shown: &Shown<'_>) -> egui::Rect {
+    let mut place = rect.shrink(8.0);
+    let width: f64 = COLUMNS.iter().sum();
+    place.min.x = place.max.x - pixels::points(width) - 12.0;
+    if place.min.x < shown.toolbar_end + 8.0 {
+        // Beside the toolbar there is no room: below it.
+        place.min.y += 34.0;
+    }
+    let rows = 2.0 + shown.n_fingers as f32;
+    place.with_max_y(place.min.y + 10.0 + 17.0 * rows)
 }
 
 /// Widths of name, depth, force and stiffness, points.
@@ -288,7 +348,10 @@ fn row_ui(ui: &mut egui::Ui, shown: &Shown<'_>, index: usize) {
         cell(ui, 2, force);
     }
     let stiffness = touching.and_then(|f| f.stiffness_n_per_mm);
-    cell(ui, 3, number(stiffness, 2, "N/mm"));
+    let told = cell(ui, 3, number(stiffness.filter(|_| !shown.blind), 2, "N/mm"));
+    if shown.blind {
+        told.on_hover_text("Kept back until the answer");
+    }
 }
 
 /// How to press, until one has: a quiet line below the back, beside the scale that ends at `scale_end`.

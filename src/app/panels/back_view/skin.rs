@@ -88,6 +88,11 @@ impl DrawnSkin {
         self.marks.get_or_init(|| model::marks(&self.scene))
     }
 
+    /// Frees its named places: they are found anew when they are shown again.
+    pub fn forget_marks(&mut self) {
+        self.marks = OnceCell::new();
+    }
+
     /// How far the presses reach.
     pub fn boundaries(&self) -> &[Boundary] {
         self.boundaries.get_or_init(|| {
@@ -133,6 +138,17 @@ impl DrawnSkin {
             cost_us: per_frame,
         };
         parts.report(Item::Deformation, deformation);
+        match self.marks.get() {
+            Some(marks) => {
+                let text = |m: &Mark| size_of::<Mark>() + m.text.len();
+                let names = PartCost {
+                    bytes: marks.iter().map(text).sum(),
+                    cost_us: None,
+                };
+                parts.report(Item::LandmarkNames, names);
+            }
+            None => parts.remove(Item::LandmarkNames),
+        }
         // It shares the offsets of the deformation and its time.
         parts.report(Item::TangentialField, PartCost::default());
         if let Some(mesh) = &stage.lock().mesh {

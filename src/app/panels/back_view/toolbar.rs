@@ -40,6 +40,9 @@ impl BackView {
                     if let Some(picked) = super::ramp::menu_ui(ui, &self.colour, remark) {
                         self.colour.choose(picked, &self.stage);
                     }
+                    let scene = self.skin.as_ref().map(|skin| skin.scene());
+                    super::look::anatomy_menu_ui(ui, &mut self.options, scene);
+                    super::look::eyes_menu_ui(ui, &mut self.options, self.camera.distance_mm);
                     self.toggles(ui);
                     let live = cx.view.playback.is_none();
                     if live && cx.view.hands.len() > 1 {
@@ -97,12 +100,6 @@ impl BackView {
                 icon::ICON_ARROW_OUTWARD,
                 "Force arrows",
                 "Show the force on each finger as an arrow, 8 mm long for each newton",
-            ),
-            (
-                &mut o.landmarks,
-                icon::ICON_LABEL,
-                "Landmarks",
-                "Name the vertebrae and other landmarks under the skin",
             ),
             (
                 &mut o.footprints,

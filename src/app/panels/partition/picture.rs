@@ -5,7 +5,7 @@ use crate::app::camera::{Camera, Glide, Preset};
 use crate::app::panels::back_view::{SharedStage, model, plate, preset_text};
 use crate::app::panels::legend;
 use crate::app::render::mesh::SkinMesh;
-use crate::app::render::{Palette, Picture, pixels, sphere::Sphere};
+use crate::app::render::{Palette, Picture, SkinLook, pixels, sphere::Sphere};
 use crate::app::state::View;
 use crate::app::study::Shown;
 use crate::app::study::settings::{Follow, Settings};
@@ -279,7 +279,14 @@ impl TreePicture {
             size_px: [1, 1],
             bounds: scene.surface.bounds(),
             palette: Palette::of(theme),
-            skin: shown.settings.show.skin,
+            skin: if shown.settings.show.skin {
+                SkinLook::Opaque
+            } else {
+                SkinLook::Off
+            },
+            stereo: None,
+            draws_spheres: true,
+            models: Vec::new(),
             tint: None,
             wireframe: false,
             draft: false,

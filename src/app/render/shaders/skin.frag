@@ -26,6 +26,9 @@ uniform float u_pores;       // strength of the finest relief
 #endif
 uniform vec4 u_fingers[4];   // centre and radius of the finger spheres, mm
 uniform int u_n_fingers;
+#ifdef TRANSLUCENT
+uniform float u_opacity;     // of skin that faces the eye
+#endif
 
 out vec4 o_color;
 
@@ -109,7 +112,11 @@ void main() {
     if (!gl_FrontFacing) {
         // The inside of an open skin: plain, so that it is not taken for the back.
         float lit = 0.5 + 0.5 * abs(dot(n, v));
+#ifdef TRANSLUCENT
+        o_color = vec4(srgb(vec3(0.085, 0.078, 0.076) * lit), 0.5 * u_opacity);
+#else
         o_color = vec4(srgb(vec3(0.085, 0.078, 0.076) * lit), 1.0);
+#endif
         return;
     }
 #ifdef PORES
@@ -175,5 +182,17 @@ void main() {
 #endif
     // Half a step of noise hides the bands of slow gradients.
     float grain = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
+#ifdef TRANSLUCENT
+    // The more aslant, the longer the way through it: edges, ridges and dents stay to be seen.
+    float through = clamp(dot(n, v), 0.0, 1.0);
+    float veil = 1.0 - through;
+    float thick = clamp(1.35 * veil * veil + 0.30 * dent + 0.22 * ridge - 0.10 * hollow, 0.0, 1.0);
+    float opacity = mix(u_opacity, 0.97, thick);
+#ifndef TINT
+    opacity = min(opacity + 5.0 * gloss, 1.0);
+#endif
+    o_color = vec4(srgb(color) + grain / 255.0, opacity);
+#else
     o_color = vec4(srgb(color) + grain / 255.0, 1.0);
+#endif
 }

@@ -15,6 +15,9 @@ out vec2 v_value;
 
 uniform mat4 u_clip_from_subject;
 
+// Depth drawn before and colour drawn after must agree to the last bit.
+invariant gl_Position;
+
 out vec3 v_position;
 out vec3 v_normal;
 out float v_dent;
