@@ -38,7 +38,7 @@ pub struct WorkbenchArgs {
     /// Draw the skin like this: opaque, translucent or off; otherwise as chosen last.
     #[arg(long, value_name = "LOOK")]
     skin: Option<String>,
-    /// Show these: bones, landmarks, hands, with commas between, or none; otherwise as chosen last.
+    /// Show these: bones, landmarks, hands, with commas between, or none; otherwise as chosen last. Opaque skin hides bones.
     #[arg(long, value_name = "PARTS")]
     anatomy: Option<String>,
     /// Draw for two eyes: parallel, cross-eyed or anaglyph; otherwise as chosen last.

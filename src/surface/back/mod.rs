@@ -3,7 +3,7 @@
 //! A height field over the map plane ([`Heights`]) inside a smooth closed rim, filled with triangles that are near
 //! equilateral on the surface. Same options, same bits, on every machine.
 
-mod bones;
+pub mod bones;
 mod fill;
 mod heights;
 mod landmarks;

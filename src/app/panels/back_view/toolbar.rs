@@ -17,6 +17,7 @@ impl BackView {
     ) {
         let size = pixels::delta(rect.size());
         let place = rect.shrink(8.0);
+        let before = self.options;
         let builder = egui::UiBuilder::new()
             .max_rect(place)
             .layout(egui::Layout::left_to_right(egui::Align::Min));
@@ -66,7 +67,9 @@ impl BackView {
             });
             plate.response.rect.right()
         });
-        if std::mem::replace(&mut self.toolbar_end, end.inner) != end.inner {
+        let moved = std::mem::replace(&mut self.toolbar_end, end.inner) != end.inner;
+        if moved || self.options != before {
+            // The picture below has been drawn already.
             ui.ctx().request_repaint();
         }
     }

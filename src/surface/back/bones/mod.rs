@@ -5,10 +5,11 @@
 //! from head to flank, the shoulder blades (*scapulae*: blade, spine, acromion, socket), and what lies under the skin's lower
 //! end of sacrum (*os sacrum*) and iliac crests (*cristae iliacae*).
 //!
-//! They are placed from [`super::landmarks`] and [`super::Heights`]: tips of processes, angles of the shoulder blades and
-//! edges of the pelvis lie under their landmarks, at the depths that [`crate::surface::back`]'s readers assume over them
-//! elsewhere; all else follows the skin at plausible depths. No part was measured on a body, and nothing is felt through
-//! them. Left and right are mirror images but for the curve of the spine that [`super::BackOptions`] may ask for.
+//! They are placed from the landmarks and the height function of the back: tips of processes, angles of the shoulder blades
+//! and edges of the pelvis lie under their landmarks at the depths that the map of the depth to bone assumes there; all else
+//! follows the skin at plausible depths, at least [`CLEARANCE_MM`] below it. No part was measured on a body, and nothing is
+//! felt through them. Bumps that a scenario lays on the skin do not move them. Left and right are mirror images but for the
+//! curve of the spine that [`BackOptions`] may ask for.
 //!
 //! | file | places |
 //! |---|---|
@@ -33,6 +34,7 @@ use super::{BackOptions, Side};
 use crate::surface::solids::mirror;
 use crate::surface::{RawMesh, vertex_normals};
 use std::ops::Range;
+pub use under::CLEARANCE_MM;
 use under::Under;
 
 /// What a bone is.

@@ -1,4 +1,3 @@
-use super::under::CLEARANCE_MM;
 use super::*;
 use crate::geom::{Vec2, Vec3};
 use crate::surface::back::{self, Heights, Kind};
