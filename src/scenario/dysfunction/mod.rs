@@ -143,12 +143,17 @@ impl fmt::Display for Place {
             Self::At(at) => write!(f, "({}, {}) mm", at.x, at.y),
             Self::Sites(sites) => match sites_words(sites) {
                 Some((levels, side, target)) => {
-                    let target = if target == Target::Spinous && side == "middle" {
-                        return write!(f, "{levels} spinous process");
-                    } else {
-                        target.title()
+                    let title = match (sites.len(), target) {
+                        (1, _) => target.title(),
+                        (_, Target::Spinous) => "spinous processes",
+                        (_, Target::Transverse) => "transverse processes",
+                        (_, Target::RibAngle) => "rib angles",
+                        (_, Target::Muscle) => "muscles",
                     };
-                    write!(f, "{levels} {side} {target}")
+                    match side {
+                        "middle" => write!(f, "{levels} {title}"),
+                        side => write!(f, "{levels} {side} {title}"),
+                    }
                 }
                 None => {
                     let names: Vec<String> = sites.iter().map(Site::to_string).collect();

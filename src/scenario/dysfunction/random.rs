@@ -1,7 +1,7 @@
 //! Dysfunctions drawn at random, the same from the same seed on every machine.
 
 use super::place::bits;
-use super::{Change, DEFAULT_SEVERITY, Dysfunction, MOST_SEVERE, Site, named};
+use super::{Change, DEFAULT_SEVERITY, Dysfunction, Kind, MOST_SEVERE, Site, named};
 
 /// What to draw.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,8 +20,9 @@ pub struct RandomSpec {
 
 /// Draws: every candidate is as likely as every other (but for one part in 2⁵⁸), without repetition, in the order drawn.
 ///
-/// All but the strength has the default of the kind; the severity is the one whose default change is nearest to it. Empty for
-/// a kind that is in no list, or without candidates.
+/// All but the strength has the default of the kind; preset and severity are those whose default change is nearest to it, so
+/// that a softer texture is an oedema and a stiffer one a fibrosis. Empty for a kind that is in no list, or without
+/// candidates.
 pub fn random(spec: &RandomSpec) -> Vec<Dysfunction> {
     let Some(kind) = named(spec.kind) else {
         return Vec::new();
@@ -36,24 +37,35 @@ pub fn random(spec: &RandomSpec) -> Vec<Dysfunction> {
     for n in 0..spec.count.min(left.len()) as u64 {
         let i = (bits(spec.seed, n) % left.len() as u64) as usize;
         let site = left.remove(i);
-        let preset = kind.default_of(site, DEFAULT_SEVERITY).preset;
-        let distance = |severity: u8| {
-            let change = kind.strength(preset, severity).change?;
-            Some(libm::fabs(libm::log(
-                change.factor() / spec.strength.factor(),
-            )))
-        };
-        let nearest = (1..=MOST_SEVERE)
-            .filter_map(|severity| Some((severity, distance(severity)?)))
-            .fold(None, |best: Option<(u8, f64)>, next| match best {
-                Some(best) if best.1 <= next.1 => Some(best),
-                _ => Some(next),
-            });
-        let severity = nearest.map_or(DEFAULT_SEVERITY, |(severity, _)| severity);
+        let (preset, severity, is_change) = nearest(kind, spec.strength);
         drawn.push(Dysfunction {
-            change: nearest.map(|_| spec.strength),
+            preset,
+            change: is_change.then_some(spec.strength),
             ..kind.default_of(site, severity)
         });
     }
     drawn
+}
+
+/// The preset and severity whose change of stiffness is nearest to `strength` as a ratio, and whether the kind changes
+/// stiffness at all.
+fn nearest(kind: &dyn Kind, strength: Change) -> (Option<&'static str>, u8, bool) {
+    let presets: Vec<Option<&'static str>> = match kind.presets() {
+        presets if kind.needs_preset() => presets.iter().map(|p| Some(p.key)).collect(),
+        _ => vec![None],
+    };
+    let mut best = (presets.first().copied().flatten(), DEFAULT_SEVERITY, false);
+    let mut least = f64::INFINITY;
+    for preset in presets {
+        for severity in 1..=MOST_SEVERE {
+            let Some(change) = kind.strength(preset, severity).change else {
+                continue;
+            };
+            let apart = libm::fabs(libm::log(change.factor() / strength.factor()));
+            if apart < least || !best.2 {
+                (best, least) = ((preset, severity, true), apart);
+            }
+        }
+    }
+    best
 }
