@@ -170,12 +170,16 @@ fn run(published: Option<published::Options>, ticks: i32, passivity: bool) {
             Stiffness::PerVertex(stiffness.clone()),
         )
     };
-    // Edits of the stiffness come in all the time: boxes made before, freed after.
+    // Edits of stiffness and skin drag come in all the time: boxes made before, freed after.
+    let per_vertex = Arc::clone(&stiffness);
     let edited = |i: u32| {
         let uneven = |k: &f64| k * (0.6 + 0.2 * f64::from(i % 5));
         let stiffness = Stiffness::PerVertex(stiffness.iter().map(uneven).collect());
+        let rough = |k: &f64| 1.0 + 0.2 * f64::from(i % 3) * k;
+        let drag = (!i.is_multiple_of(3)).then(|| per_vertex.iter().map(rough).collect());
         Box::new(TouchScene {
             stiffness,
+            drag,
             ..scene.clone()
         })
     };
