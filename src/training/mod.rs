@@ -6,16 +6,23 @@
 //! | [`run`] | an exercise as it is done, trial after trial; [`shown`]: what of it the trainee may see |
 //! | [`trial`] | what a trial hides, what is answered, what is written of it |
 //! | [`staircase`] | how strong the next trial is: one rule a file |
+//! | [`sitting`], [`journal`] | an exercise with its journal, which no end of the program takes a settled trial from |
+//! | [`psychometric`], [`detection`], [`normal`] | share of right answers over strength, fitted; d′ |
 //! | [`palpation`], [`score`] | how a back is palpated, and by how much an answer is wrong |
 //! | [`level`], [`random`] | strengths on a staircase's scale; chance that can be repeated |
 
+pub mod detection;
 pub mod exercise;
+pub mod journal;
 pub mod level;
+pub mod normal;
 pub mod palpation;
+pub mod psychometric;
 pub mod random;
 pub mod run;
 pub mod score;
 pub mod shown;
+pub mod sitting;
 pub mod staircase;
 pub mod trial;
 
@@ -24,4 +31,5 @@ pub use random::Seed;
 pub use run::{Felt, Input, Run, TrainingError};
 pub use score::{Errors, Score};
 pub use shown::{Choice, Phase, Shown, Told, Why};
+pub use sitting::{Begun, Sitting};
 pub use trial::{Answer, Mark, Reply, TrialRecord};

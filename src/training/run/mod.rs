@@ -487,6 +487,13 @@ impl Run {
         }
     }
 
+    /// Notes when the last settled trial was settled, and gives it back.
+    pub(super) fn stamp_last(&mut self, utc: String) -> Option<TrialRecord> {
+        let last = self.settled.last_mut()?;
+        last.settled_utc = utc;
+        Some(last.clone())
+    }
+
     /// Counts a settled trial in; the staircase hears of it.
     fn settle(&mut self, record: TrialRecord) {
         if let (Some(staircase), Some(level), false) =

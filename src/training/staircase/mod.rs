@@ -1,6 +1,9 @@
 //! How strong the next trial is, from the answers so far: one rule a file, all in one list.
 
 mod constant;
+mod psi;
+#[cfg(test)]
+mod tests;
 mod up_down;
 
 use super::level::Scale;
@@ -18,6 +21,7 @@ pub fn all() -> &'static [&'static dyn Rule] {
         &up_down::ONE_UP_THREE_DOWN_EQUAL,
         &up_down::ONE_UP_FOUR_DOWN_EQUAL,
         &up_down::WEIGHTED,
+        &psi::Psi,
         &constant::Constant,
     ]
 }
