@@ -57,8 +57,8 @@ pub struct Changes {
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum Line {
-    Exercise(Header),
-    Trial(TrialRecord),
+    Exercise(Box<Header>),
+    Trial(Box<TrialRecord>),
     Ended(String),
 }
 
@@ -163,7 +163,7 @@ pub fn parse(bytes: &[u8]) -> Result<Read, (usize, String)> {
         let read = match (&mut read, line) {
             (None, Ok(Line::Exercise(header))) if header.format == FORMAT => {
                 read = Some(Read {
-                    header,
+                    header: *header,
                     trials: Vec::new(),
                     ended: None,
                     cut_off: None,
@@ -206,7 +206,7 @@ pub fn parse(bytes: &[u8]) -> Result<Read, (usize, String)> {
                     return Err((number, what));
                 }
                 read.ended = None;
-                read.trials.push(trial);
+                read.trials.push(*trial);
             }
         }
     }
@@ -235,7 +235,7 @@ impl Journal {
         std::fs::create_dir_all(folder).map_err(failed)?;
         // Whole or not there: written beside and renamed.
         let mut beside = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
-        let line = text(&Line::Exercise(header.clone())).map_err(failed)?;
+        let line = text(&Line::Exercise(Box::new(header.clone()))).map_err(failed)?;
         beside.write_all(&line).map_err(failed)?;
         beside.as_file().sync_all().map_err(failed)?;
         match beside.persist_noclobber(&path) {
@@ -291,7 +291,7 @@ impl Journal {
     /// # Errors
     /// The file system refuses, or did before.
     pub fn settle(&mut self, trial: &TrialRecord) -> Result<(), JournalError> {
-        self.add(&Line::Trial(trial.clone()))
+        self.add(&Line::Trial(Box::new(trial.clone())))
     }
 
     /// Says how the exercise ended.
@@ -355,7 +355,7 @@ mod tests {
         TrialRecord {
             trial: number,
             level: Some(0.1 * f64::from(number)),
-            right: number % 3 != 0,
+            right: !number.is_multiple_of(3),
             truth: "T5 right\n\"transverse\" process".into(),
             ..TrialRecord::default()
         }

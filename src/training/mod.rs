@@ -7,15 +7,19 @@
 //! | [`trial`] | what a trial hides, what is answered, what is written of it |
 //! | [`staircase`] | how strong the next trial is: one rule a file |
 //! | [`sitting`], [`journal`] | an exercise with its journal, which no end of the program takes a settled trial from |
+//! | [`observer`] | a simulated trainee whose d′ is known |
+//! | [`analysis`] | what the trials of an exercise say of who did them |
 //! | [`psychometric`], [`detection`], [`normal`] | share of right answers over strength, fitted; d′ |
 //! | [`palpation`], [`score`] | how a back is palpated, and by how much an answer is wrong |
 //! | [`level`], [`random`] | strengths on a staircase's scale; chance that can be repeated |
 
+pub mod analysis;
 pub mod detection;
 pub mod exercise;
 pub mod journal;
 pub mod level;
 pub mod normal;
+pub mod observer;
 pub mod palpation;
 pub mod psychometric;
 pub mod random;

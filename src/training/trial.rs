@@ -176,6 +176,10 @@ pub struct TrialRecord {
     pub task: String,
     /// Level on the staircase's scale; absent without a staircase.
     pub level: Option<f64>,
+    /// Size of the change that the trial was given, percent of [`TrialRecord::measure`]; also where nothing was hidden.
+    pub strength_percent: Option<f64>,
+    /// Of what: compliance or stiffness.
+    pub measure: Option<String>,
     /// Change of stiffness of what was hidden, percent; absent where nothing is changed.
     pub stiffness_percent: Option<f64>,
     /// The same as a change of compliance, percent.

@@ -1,6 +1,7 @@
 //! Maximum likelihood.
 
 use super::family::{Family, Shape};
+use nalgebra::{Matrix3, Vector3};
 
 /// Answers at one strength.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -358,36 +359,18 @@ fn between([low, high]: [f64; 2], i: usize, n: usize) -> f64 {
 }
 
 /// The damped step of the free parameters; the others stay.
-fn solve(mut a: [[f64; 3]; 3], mut b: [f64; 3], free: [bool; 3], damping: f64) -> [f64; 3] {
-    for i in 0..3 {
-        if free[i] {
-            a[i][i] += damping * (a[i][i] + 1.0e-6);
-        } else {
-            for j in 0..3 {
-                a[i][j] = 0.0;
-                a[j][i] = 0.0;
-            }
-            (a[i][i], b[i]) = (1.0, 0.0);
-        }
+fn solve(fisher: [[f64; 3]; 3], gradient: [f64; 3], free: [bool; 3], damping: f64) -> [f64; 3] {
+    let a = Matrix3::from_fn(|i, j| match (free[i] && free[j], i == j) {
+        (true, true) => fisher[i][i] + damping * (fisher[i][i] + 1.0e-6),
+        (true, false) => fisher[i][j],
+        (false, true) => 1.0,
+        (false, false) => 0.0,
+    });
+    let b = Vector3::from_fn(|i, _| if free[i] { gradient[i] } else { 0.0 });
+    let step = a.lu().solve(&b).unwrap_or_default();
+    if step.iter().all(|x| x.is_finite()) {
+        step.into()
+    } else {
+        [0.0; 3]
     }
-    // Symmetric and positive: elimination needs no pivots.
-    for i in 0..3 {
-        for row in i + 1..3 {
-            let share = a[row][i] / a[i][i];
-            for column in i..3 {
-                a[row][column] -= share * a[i][column];
-            }
-            b[row] -= share * b[i];
-        }
-    }
-    for i in (0..3).rev() {
-        for column in i + 1..3 {
-            b[i] -= a[i][column] * b[column];
-        }
-        b[i] /= a[i][i];
-        if !b[i].is_finite() {
-            return [0.0; 3];
-        }
-    }
-    b
 }

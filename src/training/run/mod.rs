@@ -11,7 +11,7 @@ use super::shown::{Choice, Phase, Shown, Told, Why};
 use super::staircase::{self, Estimate, Settings, Staircase};
 use super::trial::{Draw, Ended, Reply, TrialRecord};
 use crate::geom::Vec2;
-use crate::scenario::exercise::{Feedback, Hides};
+use crate::scenario::exercise::{Feedback, Hides, Measure};
 use crate::scenario::{Change, Dysfunction, Exercise, Scenario, ScenarioError, dysfunction};
 use crate::servo::TickRecord;
 use draw::{change_of, fault};
@@ -460,11 +460,14 @@ impl Run {
         let factor = (current.draw.hidden.first())
             .and_then(|d| d.strength().change)
             .map(Change::factor);
+        let given = self.given();
         TrialRecord {
             trial: current.number,
             practice: current.practice,
             task: self.task.key().to_owned(),
             level: current.level,
+            strength_percent: given.map(|g| g.0),
+            measure: given.map(|g| g.1.name().to_owned()),
             stiffness_percent: factor.map(stiffness_percent),
             compliance_percent: factor.map(compliance_percent),
             stiffness_gain: current.gain,
@@ -484,6 +487,21 @@ impl Run {
                 .map(Palpation::facts)
                 .unwrap_or_default(),
             settled_utc: String::new(),
+        }
+    }
+
+    /// Size of the change that the trial is given, and of what it is.
+    fn given(&self) -> Option<(f64, Measure)> {
+        match (self.current.level, &self.settings, &self.exercise.hides) {
+            _ if !self.task.has_strength() => None,
+            (Some(level), Some(settings), _) => {
+                Some((settings.scale.percent(level), settings.scale.measure))
+            }
+            (_, _, Hides::Drawn { change, .. }) => Some(match change {
+                Change::CompliancePercent(p) => (p.abs(), Measure::Compliance),
+                Change::StiffnessPercent(p) => (p.abs(), Measure::Stiffness),
+            }),
+            (_, _, Hides::Stated) => None,
         }
     }
 
