@@ -52,13 +52,17 @@ pub fn plate(theme: &Theme) -> egui::Frame {
 /// Draws everything over the picture in `rect`, save the toolbar.
 pub fn show(ui: &mut egui::Ui, rect: egui::Rect, shown: &Shown<'_>) {
     let painter = ui.painter().with_clip_rect(rect);
+    let mut names = None;
     for pane in shown.panes {
         let corner = rect.min + pixels::pos(pane.from).to_vec2();
         let size = pixels::pos(pane.size).to_vec2();
         let place = egui::Rect::from_min_size(corner, size);
         let painter = ui.painter().with_clip_rect(place);
         if shown.options.anatomy.landmarks {
-            landmarks(&painter, place, shown, &pane.camera, rect);
+            // Both eyes see the same names at the same places beside what they name, or they could not be fused.
+            let names = names
+                .get_or_insert_with(|| names_to_show(&painter, place, shown, &pane.camera, rect));
+            landmarks(&painter, place, shown, &pane.camera, names);
         }
         if shown.options.footprints {
             footprints(&painter, place, shown, &pane.camera);
@@ -86,43 +90,46 @@ fn on_screen(rect: egui::Rect, camera: &Camera, point_mm: Vec3) -> Option<egui::
     Some(rect.min + pixels::pos(p).to_vec2())
 }
 
-/// Dots and names of the landmarks that face the eye, carried along by the deformed skin. Names that have no room are left
-/// out; `whole` is what toolbar and numbers lie over.
-fn landmarks(
+/// A landmark to be shown: where it lies, and its name with the place of that beside it, where there is room.
+struct Named {
+    at_mm: Vec3,
+    has_name: bool,
+    text: Option<(egui::Vec2, Arc<egui::Galley>)>,
+}
+
+/// The landmarks that face the eye, carried along by the deformed skin. Names that have no room are left out; `whole` is what
+/// toolbar and numbers lie over.
+fn names_to_show(
     painter: &egui::Painter,
     rect: egui::Rect,
     shown: &Shown<'_>,
     camera: &Camera,
     whole: egui::Rect,
-) {
-    let (scene, theme) = (shown.skin.scene(), shown.theme);
-    let mut wishes = Vec::new();
-    let mut names = Vec::new();
+) -> Vec<Named> {
+    let (scene, skin) = (shown.skin.scene(), shown.skin.displacement());
+    let (mut found, mut wishes, mut texts) = (Vec::new(), Vec::new(), Vec::new());
     for mark in shown.skin.marks() {
         if !model::is_seen(scene, camera, mark.point_mm) {
             continue;
         }
-        let at =
-            shown
-                .skin
-                .displacement()
-                .carried_point(&scene.surface, mark.triangle, mark.point_mm);
-        let Some(at) = on_screen(rect, camera, at) else {
-            continue;
-        };
-        let radius = if mark.text.is_empty() { 1.6 } else { 2.4 };
-        painter.circle(at, radius, theme.text, Stroke::new(1.0, theme.panel));
-        if !mark.text.is_empty() {
+        let at_mm = skin.carried_point(&scene.surface, mark.triangle, mark.point_mm);
+        let has_name = !mark.text.is_empty();
+        if has_name && let Some(at) = on_screen(rect, camera, at_mm) {
             let font = FontId::proportional(11.0);
-            let text = painter.layout_no_wrap(mark.text.clone(), font, theme.text);
+            let text = painter.layout_no_wrap(mark.text.clone(), font, shown.theme.text);
             wishes.push(Wish {
                 at,
                 size: text.size(),
                 on_left: mark.point_mm.x < -1.0,
                 rank: mark.rank,
             });
-            names.push(text);
+            texts.push((found.len(), text));
         }
+        found.push(Named {
+            at_mm,
+            has_name,
+            text: None,
+        });
     }
     let toolbar = egui::Rect::from_min_max(
         whole.min,
@@ -135,9 +142,33 @@ fn landmarks(
         }
     }
     let places = labels::placed(&wishes, &taken, rect);
-    for (text, place) in names.into_iter().zip(places) {
-        if let Some(place) = place {
-            label(painter, theme, place.min, text);
+    for (((i, text), place), wish) in texts.into_iter().zip(places).zip(&wishes) {
+        found[i].text = place.map(|place| (place.min - wish.at, text));
+    }
+    found
+}
+
+/// Dots and names of landmarks.
+fn landmarks(
+    painter: &egui::Painter,
+    rect: egui::Rect,
+    shown: &Shown<'_>,
+    camera: &Camera,
+    names: &[Named],
+) {
+    let theme = shown.theme;
+    let places: Vec<_> = (names.iter())
+        .map(|named| on_screen(rect, camera, named.at_mm))
+        .collect();
+    for (named, at) in names.iter().zip(&places) {
+        let radius = if named.has_name { 2.4 } else { 1.6 };
+        if let Some(at) = at {
+            painter.circle(*at, radius, theme.text, Stroke::new(1.0, theme.panel));
+        }
+    }
+    for (named, at) in names.iter().zip(&places) {
+        if let (Some((beside, text)), Some(at)) = (&named.text, at) {
+            label(painter, theme, *at + *beside, text.clone());
         }
     }
 }
