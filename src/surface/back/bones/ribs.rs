@@ -10,7 +10,7 @@ use std::f64::consts::FRAC_PI_2;
 /// How many pairs there are.
 pub const PAIRS: usize = 12;
 /// Corners of a cross-section.
-const SIDES: u32 = 10;
+const SIDES: u32 = 8;
 /// Points of the curve between two stations.
 const PER_SPAN: usize = 3;
 /// Height of the widest place of the chest, mm: about the middle between back and front.

@@ -7,7 +7,7 @@ use crate::surface::solids::{Profile, Ring, mirror, sweep};
 
 /// Corners of the cross-sections of bodies, and of processes.
 const BODY_SIDES: u32 = 20;
-const SIDES: u32 = 10;
+const SIDES: u32 = 8;
 /// Body and disc are rounded boxes seen from above.
 const BODY: Profile = Profile {
     sides: BODY_SIDES,
@@ -163,7 +163,7 @@ fn tube(mesh: &mut RawMesh, stations: &[(Vec3, f64, f64)], towards: Vec3, cap_mm
     let points: Vec<[f64; 5]> = (stations.iter())
         .map(|&(c, a, b)| [c.x, c.y, c.z, a, b])
         .collect();
-    let curve = crate::surface::solids::through(&points, 3);
+    let curve = crate::surface::solids::through(&points, 2);
     let centre = |p: &[f64; 5]| Vec3::new(p[0], p[1], p[2]);
     let rings: Vec<Ring> = (0..curve.len())
         .map(|i| {
