@@ -70,6 +70,7 @@ enum Order {
         SyncSender<Result<(), SessionError>>,
     ),
     Stop(SyncSender<Result<RecordingSummary, SessionError>>),
+    Reveal(Box<Header>, SyncSender<Result<(), SessionError>>),
     Mark(String, String),
     Swap(Consumer<FingerRecord>),
     Quit,
@@ -137,6 +138,9 @@ impl RecorderThread {
                 }
                 Ok(Order::Stop(reply)) => {
                     let _ = reply.send(self.stop());
+                }
+                Ok(Order::Reveal(header, reply)) => {
+                    let _ = reply.send(self.reveal(&header));
                 }
                 Ok(Order::Mark(kind, text)) => self.write(|w| w.event(&kind, &text)),
                 Ok(Order::Swap(records)) => {
@@ -244,6 +248,13 @@ impl RecorderThread {
         Ok(())
     }
 
+    fn reveal(&mut self, header: &Header) -> Result<(), SessionError> {
+        let Some(writer) = &mut self.writer else {
+            return Err(SessionError::Recorder("is not recording".into()));
+        };
+        writer.reveal(header)
+    }
+
     fn stop(&mut self) -> Result<RecordingSummary, SessionError> {
         let Some(writer) = self.writer.take() else {
             let reason = match &locked(&self.status).state {
@@ -331,6 +342,16 @@ impl RecorderHandle {
     pub fn stop(&self) -> Result<RecordingSummary, SessionError> {
         let (reply, answer) = sync_channel(1);
         self.order(Order::Stop(reply))?;
+        wait(&answer)?
+    }
+
+    /// Says in which scene the sealed session was felt that is being recorded; nothing felt later is to be recorded with it.
+    ///
+    /// # Errors
+    /// Nothing is recorded, the header is not writable, writing failed, or the disk does not answer within ten seconds.
+    pub fn reveal(&self, header: Header) -> Result<(), SessionError> {
+        let (reply, answer) = sync_channel(1);
+        self.order(Order::Reveal(Box::new(header), reply))?;
         wait(&answer)?
     }
 

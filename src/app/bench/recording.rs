@@ -231,6 +231,7 @@ pub fn header(scene: &Scene, live: &Live, felt: &EditText) -> Header {
         started_utc: session::utc_now(),
         participant: None,
         edit: felt.0,
+        sealed: false,
     }
 }
 
@@ -253,6 +254,7 @@ mod tests {
             started_utc: "2031-05-17T09:30:00.125Z".into(),
             participant: None,
             edit: 0,
+            sealed: false,
         }
     }
 
