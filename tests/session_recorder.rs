@@ -346,6 +346,30 @@ fn what_a_trial_hides_is_in_its_file_only_once_it_is_revealed() {
     assert!(cut.load(Strictness::Lenient).unwrap().fingers[0].len() > 500);
 }
 
+#[test]
+fn what_is_felt_while_a_recording_is_held_is_not_in_it() {
+    let mut rig = Bench::new();
+    let path = rig.path();
+    rig.recorder.start(&path, header(2)).unwrap();
+    rig.push(0..500);
+    rig.wait_for_tap(1000);
+    rig.recorder.hold(true).unwrap();
+    rig.push(500..800);
+    rig.wait_for_tap(1600);
+    rig.recorder.hold(false).unwrap();
+    rig.push(800..1000);
+    rig.wait_for_tap(2000);
+    rig.recorder.stop().unwrap();
+    let read = Session::open(&path)
+        .unwrap()
+        .load(Strictness::Strict)
+        .unwrap();
+    // The times tell which ticks these are: their numbers go on behind the gap.
+    assert_eq!(read.fingers[0].len(), 700);
+    let kinds: Vec<_> = read.events.iter().map(|e| e.kind.as_str()).collect();
+    assert_eq!(kinds, ["restart"], "a gap, and nothing lost");
+}
+
 const KILLED: &str = "DORSUM_TEST_RECORD_UNTIL_KILLED";
 
 /// Not a test of its own: what [`a_killed_program_loses_a_second_at_most`] runs in a process to be killed.

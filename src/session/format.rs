@@ -71,7 +71,7 @@
 //!
 //! # `dorsum.Event`
 //! `tick` (1, uint64), `time_ns` (2, uint64), `kind` (3, string), `text` (4, string). Kinds the recorder writes itself:
-//! `lost` (ticks that never reached it), `restart` (the servo was started anew; tick numbers go on after a gap). All
+//! `lost` (ticks that never reached it), `restart` (the servo was started anew, or a recording that was held went on; tick numbers go on after a gap). All
 //! others come from the program or the user, such as `mark`.
 //!
 //! # Edits
