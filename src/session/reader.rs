@@ -207,7 +207,8 @@ impl About {
             op::ATTACHMENT => {
                 let (name, data) = wire::attachment(walk.record())?;
                 if name == format::SCENARIO {
-                    let text = std::str::from_utf8(data).map_err(|e| format!("the scenario: {e}"))?;
+                    let text =
+                        std::str::from_utf8(data).map_err(|e| format!("the scenario: {e}"))?;
                     self.scenario = Some(text.to_owned());
                 }
             }
