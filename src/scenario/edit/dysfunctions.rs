@@ -108,7 +108,7 @@ const KEYS: [&str; 19] = [
 ];
 
 /// In place of what is there, whose comments stay.
-fn put(table: &mut dyn TableLike, key: &str, mut value: Value) {
+pub(super) fn put(table: &mut dyn TableLike, key: &str, mut value: Value) {
     if let Some(Item::Value(old)) = table.get(key) {
         *value.decor_mut() = old.decor().clone();
     }

@@ -1,7 +1,9 @@
 //! Scenario files changed in place: what is edited is written anew, comments and all else stay as they are.
 
+mod about;
 mod cells;
 mod dysfunctions;
+mod exercise;
 mod rows;
 
 use super::{Scenario, ScenarioError};
@@ -11,7 +13,9 @@ use cells::Cell;
 use rows::{Row, set, set_rows};
 use toml_edit::{DocumentMut, Item, Table, TableLike};
 
+pub use about::set_about;
 pub use dysfunctions::set_dysfunctions;
+pub use exercise::{set_exercise, sites_text};
 
 /// What errors call the text.
 pub(super) const ORIGIN: &str = "scenario";
