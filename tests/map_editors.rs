@@ -7,20 +7,17 @@
 
 mod support;
 
-use dorsum::app::command::{self, Command};
 use dorsum::app::panels::ellipse_map::EllipseMapPanel;
 use dorsum::app::panels::stiffness_map::StiffnessMapPanel;
-use dorsum::app::panels::{Panel, PanelContext};
-use dorsum::app::state::View;
-use dorsum::app::theme::DARK;
 use dorsum::geom::Vec2;
 use dorsum::maps::{EllipseMap, Fit, Form, Level, StiffnessMap, appendix};
-use dorsum::scenario::{self, Item, Scenario, Scene, Use};
-use egui::{Key, Modifiers, PointerButton, Pos2};
-use egui_kittest::{Harness, kittest::Queryable as _};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, mpsc};
+use dorsum::scenario::{self, Item};
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable as _;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
+use support::panel_window::{Window, scene_of};
 
 const STIFF: &str = r#"format = 1
 name = "Editors"
@@ -38,178 +35,12 @@ key = [
 ]
 "#;
 
-fn scene_of(source: &str) -> Arc<Scene> {
-    let scenario = Scenario::parse(source, "editors.toml", None).unwrap();
-    Arc::new(scenario::build(Arc::new(scenario), Use::default(), &mut |_, _| true).unwrap())
+fn ellipse_panel(source: &str) -> Window {
+    Window::open(EllipseMapPanel::default(), source, [1100.0, 1400.0])
 }
 
-/// A panel alone in a window, and a bench that does what it is sent.
-struct Window {
-    harness: Harness<'static>,
-    view: Arc<Mutex<View>>,
-    commands: mpsc::Receiver<Command>,
-    closed: Arc<AtomicBool>,
-    /// Every source that was sent.
-    sent: Vec<String>,
-    told: Vec<String>,
-}
-
-impl Window {
-    fn open(panel: impl Panel + 'static, source: &str, size: [f32; 2]) -> Self {
-        let view = View {
-            scene: Some(scene_of(source)),
-            scene_generation: 1,
-            theme: DARK,
-            ..View::default()
-        };
-        let view = Arc::new(Mutex::new(view));
-        let closed = Arc::new(AtomicBool::new(false));
-        let (send, commands) = command::queue(Arc::new(|| {}));
-        let (seen, is_closed) = (view.clone(), closed.clone());
-        let mut panel = panel;
-        let harness = Harness::builder()
-            .with_size(size)
-            .with_context_setup(|ctx| {
-                egui_material_icons::initialize(ctx);
-                DARK.apply(ctx);
-            })
-            .build_ui(move |ui| {
-                let view = seen.lock().unwrap().clone();
-                if is_closed.load(Ordering::Relaxed) {
-                    panel.release(&view);
-                    return;
-                }
-                let cx = PanelContext {
-                    view: &view,
-                    send: &send,
-                };
-                panel.ui(ui, &cx);
-            });
-        let mut window = Self {
-            harness,
-            view,
-            commands,
-            closed,
-            sent: Vec::new(),
-            told: Vec::new(),
-        };
-        // The outline and the field come from threads of their own.
-        let start = Instant::now();
-        while start.elapsed() < Duration::from_millis(400) {
-            window.frames(2);
-            std::thread::sleep(Duration::from_millis(10));
-        }
-        window
-    }
-
-    fn ellipses(source: &str) -> Self {
-        Self::open(EllipseMapPanel::default(), source, [1100.0, 1400.0])
-    }
-
-    fn stiffness(source: &str) -> Self {
-        Self::open(StiffnessMapPanel::default(), source, [1100.0, 1400.0])
-    }
-
-    /// Draws, and carries out what was sent as the bench does: the newest edit becomes the scene.
-    fn frames(&mut self, n: usize) {
-        for _ in 0..n {
-            self.harness.run_steps(1);
-            let mut newest = None;
-            for command in self.commands.try_iter() {
-                match command {
-                    Command::EditScene { source } => {
-                        self.sent.push(source.clone());
-                        newest = Some(source);
-                    }
-                    Command::Tell(_, text) => self.told.push(text),
-                    other => panic!("{other:?}"),
-                }
-            }
-            if let Some(source) = newest {
-                let mut view = self.view.lock().unwrap();
-                view.scene = Some(scene_of(&source));
-                view.edit += 1;
-            }
-        }
-    }
-
-    /// Until what was last done has been sent: no oftener than 30 times a second.
-    fn settle(&mut self) {
-        self.frames(2);
-        std::thread::sleep(Duration::from_millis(40));
-        self.frames(3);
-    }
-
-    /// What the scene says after all that was sent.
-    fn scenario(&self) -> Scenario {
-        let view = self.view.lock().unwrap();
-        let source = &view.scene.as_ref().unwrap().scenario.source;
-        Scenario::parse(source, "sent.toml", None).unwrap()
-    }
-
-    fn click(&mut self, name: &str) {
-        self.harness.get_by_label(name).click();
-        self.settle();
-    }
-
-    fn set(&mut self, name: &str, value: f64) {
-        self.harness.get_by_label(name).set_value_accesskit(value);
-        self.settle();
-    }
-
-    fn at(&self, name: &str) -> Pos2 {
-        self.harness.get_by_label(name).rect().center()
-    }
-
-    fn pointer(&mut self, at: Pos2, pressed: Option<bool>, modifiers: Modifiers) {
-        self.harness.event(egui::Event::ModifiersChanged(modifiers));
-        self.harness.event(egui::Event::PointerMoved(at));
-        if let Some(pressed) = pressed {
-            self.harness.event(egui::Event::PointerButton {
-                pos: at,
-                button: PointerButton::Primary,
-                pressed,
-                modifiers,
-            });
-        }
-        self.frames(1);
-    }
-
-    fn drag(&mut self, from: Pos2, by: egui::Vec2, modifiers: Modifiers) {
-        self.pointer(from, None, modifiers);
-        self.pointer(from, Some(true), modifiers);
-        for i in 1..=8 {
-            self.pointer(from + by * (i as f32 / 8.0), None, modifiers);
-        }
-        self.pointer(from + by, Some(false), modifiers);
-        self.harness
-            .event(egui::Event::ModifiersChanged(Modifiers::NONE));
-        self.settle();
-    }
-
-    fn press(&mut self, modifiers: Modifiers, key: Key) {
-        self.harness.event(egui::Event::ModifiersChanged(modifiers));
-        for pressed in [true, false] {
-            self.harness.event(egui::Event::Key {
-                key,
-                pressed,
-                modifiers,
-                repeat: false,
-                physical_key: None,
-            });
-        }
-        self.frames(1);
-        self.harness
-            .event(egui::Event::ModifiersChanged(Modifiers::NONE));
-        self.settle();
-    }
-
-    fn says(&self, text: &str) -> bool {
-        self.harness
-            .query_all_by_label_contains(text)
-            .next()
-            .is_some()
-    }
+fn stiff(source: &str) -> Window {
+    Window::open(StiffnessMapPanel::default(), source, [1100.0, 1400.0])
 }
 
 fn seven() -> String {
@@ -231,7 +62,7 @@ fn stiffness(window: &Window) -> StiffnessMap {
 
 #[test]
 fn a_number_typed_reaches_the_scene_and_undo_and_redo_go_back_and_forth() {
-    let mut window = Window::ellipses(&seven());
+    let mut window = ellipse_panel(&seven());
     assert!(window.sent.is_empty(), "looking changes nothing");
     window.set("Half major axis of P4, mm", 160.0);
     assert_eq!(window.sent.len(), 1);
@@ -250,7 +81,7 @@ fn a_number_typed_reaches_the_scene_and_undo_and_redo_go_back_and_forth() {
 
 #[test]
 fn what_is_not_allowed_is_held_and_told_at_once() {
-    let mut window = Window::ellipses(&seven());
+    let mut window = ellipse_panel(&seven());
     window.set("Half minor axis of P1, mm", 500.0);
     let key = window.scenario().ellipse.unwrap().0[0].clone();
     assert_eq!(
@@ -261,7 +92,7 @@ fn what_is_not_allowed_is_held_and_told_at_once() {
     assert!(window.says("-5 is outside 1 to 1000; set to 1"));
     let key = window.scenario().ellipse.unwrap().0[0].clone();
     assert_eq!(key.half_major_mm, 1.0);
-    let mut window = Window::stiffness(STIFF);
+    let mut window = stiff(STIFF);
     window.set("Stiffness of key 2, N/mm", -1.0);
     assert!(window.says("-1 is outside 0.001 to 10000; set to 0.001"));
     assert_eq!(
@@ -277,7 +108,7 @@ fn what_is_not_allowed_is_held_and_told_at_once() {
 
 #[test]
 fn a_drag_moves_a_key_in_one_step_and_the_scene_hears_of_it_on_the_way() {
-    let mut window = Window::ellipses(&seven());
+    let mut window = ellipse_panel(&seven());
     let before = ellipse(&window).keys().to_vec();
     let from = window.at("Ellipse key P4");
     window.drag(from, egui::vec2(30.0, 12.0), Modifiers::NONE);
@@ -301,7 +132,7 @@ fn a_drag_moves_a_key_in_one_step_and_the_scene_hears_of_it_on_the_way() {
 
 #[test]
 fn handles_change_axes_and_direction_and_keys_of_the_keyboard_do_the_same() {
-    let mut window = Window::ellipses(&seven());
+    let mut window = ellipse_panel(&seven());
     window.harness.get_by_label("Ellipse key P1").focus();
     window.frames(3);
     // P1 stands upright: its major axis ends above it.
@@ -330,7 +161,7 @@ fn handles_change_axes_and_direction_and_keys_of_the_keyboard_do_the_same() {
 
 #[test]
 fn mirrored_keys_lie_on_the_other_side_with_their_directions_turned() {
-    let mut window = Window::ellipses(&seven());
+    let mut window = ellipse_panel(&seven());
     let before = ellipse(&window).keys().to_vec();
     window.click("Mirror");
     window.click("All keys");
@@ -352,7 +183,7 @@ fn mirrored_keys_lie_on_the_other_side_with_their_directions_turned() {
 
 #[test]
 fn form_angle_and_level_are_chosen_and_figures_load_their_keys() {
-    let mut window = Window::ellipses(&seven());
+    let mut window = ellipse_panel(&seven());
     window.click("Published form");
     window.click("Array of 700 level");
     let settings = *ellipse(&window).settings();
@@ -379,7 +210,7 @@ fn form_angle_and_level_are_chosen_and_figures_load_their_keys() {
 
 #[test]
 fn an_irregular_boundary_has_its_radii_as_handles_and_numbers() {
-    let mut window = Window::ellipses(&seven());
+    let mut window = ellipse_panel(&seven());
     window.click("Choose key P2");
     window.click("Irregular boundary");
     window.set("Radius at 0° of P2, mm", 90.0);
@@ -408,9 +239,9 @@ fn a_bad_table_is_told_in_one_line_and_changes_nothing_and_a_good_one_comes_back
         ),
     ] {
         let mut window = if ellipses {
-            Window::ellipses(&seven())
+            ellipse_panel(&seven())
         } else {
-            Window::stiffness(STIFF)
+            stiff(STIFF)
         };
         let import = if ellipses {
             "Import ellipse keys"
@@ -467,7 +298,7 @@ fn a_bad_table_is_told_in_one_line_and_changes_nothing_and_a_good_one_comes_back
 
 #[test]
 fn a_brush_stroke_is_one_step_raises_the_map_and_alt_lowers_it() {
-    let mut window = Window::stiffness(STIFF);
+    let mut window = stiff(STIFF);
     let canvas = window
         .harness
         .get_by_label_contains("Stiffness map. Arrow keys")
@@ -503,7 +334,7 @@ fn a_brush_stroke_is_one_step_raises_the_map_and_alt_lowers_it() {
 
 #[test]
 fn fits_are_chosen_and_compared_and_the_best_is_marked() {
-    let mut window = Window::stiffness(STIFF);
+    let mut window = stiff(STIFF);
     for &fit in Fit::all() {
         window.click(&format!("Fit {}", fit.name()));
         assert_eq!(window.scenario().stiffness_fit, fit);
@@ -528,7 +359,7 @@ fn fits_are_chosen_and_compared_and_the_best_is_marked() {
 
 #[test]
 fn keys_are_added_moved_copied_and_removed_but_never_the_last() {
-    let mut window = Window::stiffness(STIFF);
+    let mut window = stiff(STIFF);
     window.click("Add key");
     assert_eq!(window.scenario().stiffness_keys.len(), 5);
     window.click("Duplicate key");
@@ -543,7 +374,7 @@ fn keys_are_added_moved_copied_and_removed_but_never_the_last() {
 
 #[test]
 fn what_others_change_is_followed_and_another_scene_starts_anew() {
-    let mut window = Window::stiffness(STIFF);
+    let mut window = stiff(STIFF);
     window.set("Stiffness of key 1, N/mm", 2.0);
     let other = window.scenario().source.replace("0.4", "0.6");
     {
@@ -572,7 +403,7 @@ fn what_others_change_is_followed_and_another_scene_starts_anew() {
 
 #[test]
 fn keys_on_one_place_are_told_and_do_not_reach_the_scene() {
-    let mut window = Window::ellipses(&seven());
+    let mut window = ellipse_panel(&seven());
     let other = ellipse(&window).keys()[1].at;
     window.set("y of P1, mm", other.y);
     assert!(window.says("P1") && window.says("P2"));
@@ -584,7 +415,7 @@ fn keys_on_one_place_are_told_and_do_not_reach_the_scene() {
 
 #[test]
 fn a_closed_panel_holds_nothing_and_a_replay_cannot_be_edited() {
-    let mut window = Window::stiffness(STIFF);
+    let mut window = stiff(STIFF);
     let surface = {
         let view = window.view.lock().unwrap();
         view.scene.as_ref().unwrap().surface.clone()

@@ -41,6 +41,8 @@ const DRAWN: Use = Use {
     coloured: false,
     ellipse_edited: false,
     stiffness_edited: false,
+    scenario_edited: false,
+    listed: false,
     passivity: false,
 };
 

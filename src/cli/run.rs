@@ -224,7 +224,6 @@ impl Plan {
             started_utc: utc_now(),
             participant: None,
             edit: 0,
-            sealed: false,
         }
     }
 

@@ -35,6 +35,10 @@ pub struct Use {
     pub ellipse_edited: bool,
     /// The Stiffness map panel is open.
     pub stiffness_edited: bool,
+    /// The Scenario editor panel is open.
+    pub scenario_edited: bool,
+    /// The Scenarios panel is open.
+    pub listed: bool,
     /// The passivity controller is on.
     pub passivity: bool,
 }
@@ -92,6 +96,10 @@ pub enum Item {
     EllipseEditor,
     /// Canvas and colour field of the stiffness map's editor.
     StiffnessEditor,
+    /// Canvas and colour field of the scenario editor.
+    ScenarioEditor,
+    /// Small pictures of scenarios.
+    Thumbnails,
     /// Plot history.
     PlotHistory,
     /// The ring that takes every tick out of the servo.
@@ -102,7 +110,7 @@ pub enum Item {
 
 impl Item {
     /// Every part, in the order of the ledger.
-    pub const ALL: [Self; 28] = [
+    pub const ALL: [Self; 30] = [
         Self::Surface,
         Self::Bumps,
         Self::Search,
@@ -128,6 +136,8 @@ impl Item {
         Self::PartitionTree,
         Self::EllipseEditor,
         Self::StiffnessEditor,
+        Self::ScenarioEditor,
+        Self::Thumbnails,
         Self::PlotHistory,
         Self::Ring,
         Self::Recorder,
@@ -161,6 +171,8 @@ impl Item {
             Self::PartitionTree => "Partition tree",
             Self::EllipseEditor => "Ellipse map editor",
             Self::StiffnessEditor => "Stiffness map editor",
+            Self::ScenarioEditor => "Scenario editor",
+            Self::Thumbnails => "Pictures of scenarios",
             Self::PlotHistory => "Plot history",
             Self::Ring => "Ring of ticks",
             Self::Recorder => "Recorder",
@@ -318,6 +330,12 @@ impl Item {
                 "stiffness map panel",
                 "the panel is closed",
             ),
+            Self::ScenarioEditor => choose(
+                purpose.scenario_edited,
+                "scenario editor panel",
+                "the panel is closed",
+            ),
+            Self::Thumbnails => choose(purpose.listed, "scenarios panel", "the panel is closed"),
             Self::PlotHistory => choose(purpose.plotted, "plots", "no plot is open"),
             Self::Ring => choose(
                 purpose.live,

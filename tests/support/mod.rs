@@ -5,6 +5,8 @@
     reason = "a test that cannot be set up has failed"
 )]
 
+pub mod panel_window;
+
 use dorsum::app::bench::Source;
 use dorsum::app::history::History;
 use dorsum::app::messages::{Level, Messages};
@@ -45,6 +47,8 @@ pub fn scene() -> Arc<Scene> {
                 coloured: false,
                 ellipse_edited: false,
                 stiffness_edited: false,
+                scenario_edited: false,
+                listed: false,
                 passivity: false,
             };
             let scene = scenario::build(Arc::new(scenario), purpose, &mut |_, _| true);
@@ -241,15 +245,11 @@ pub type Window = Harness<'static, Desk>;
 
 /// A whole workbench without a window system, on the default scene, keeping recordings in `folder`.
 pub fn workbench(folder: PathBuf) -> Window {
-    workbench_as(Start {
+    let start = Start {
         source: Some(Source::Example(scenario::default_example())),
         folder,
         ..Start::default()
-    })
-}
-
-/// A whole workbench without a window system that starts as `start` says.
-pub fn workbench_as(start: Start) -> Window {
+    };
     let desk = Desk {
         workbench: None,
         frame: eframe::Frame::_new_kittest(),

@@ -7,6 +7,7 @@ use crate::app::state::BuildStatus;
 use crate::figure::write_files;
 use crate::scenario::{Scenario, SurfaceChoice};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Folder beside the recordings where unsaved scenarios are kept.
 const UNSAVED: &str = "unsaved";
@@ -16,7 +17,7 @@ const UNSAVED: &str = "unsaved";
 pub struct Document {
     /// The file; `None` for an example that comes with the program, or the scenario of a recording.
     path: Option<PathBuf>,
-    saved: String,
+    saved: Arc<str>,
 }
 
 /// A scenario being written: the file and the text.
@@ -27,7 +28,7 @@ impl Document {
     pub fn opened(path: Option<PathBuf>, source: &str) -> Self {
         Self {
             path,
-            saved: source.to_owned(),
+            saved: source.into(),
         }
     }
 }
@@ -36,7 +37,12 @@ impl Bench {
     /// Whether the open scene was edited since it was opened or saved.
     pub fn is_edited(&self) -> bool {
         let scene = self.scene.as_ref();
-        scene.is_some_and(|s| s.scenario.source != self.document.saved)
+        scene.is_some_and(|s| *s.scenario.source != *self.document.saved)
+    }
+
+    /// The open scene's text as in its file, or as it was opened where it has none.
+    pub fn saved_text(&self) -> Option<Arc<str>> {
+        self.scene.as_ref().map(|_| self.document.saved.clone())
     }
 
     /// The file that [`Self::save_scenario`] writes.
@@ -83,7 +89,7 @@ impl Bench {
     }
 
     /// `before`: what the file must still hold, else someone else has changed it.
-    fn write_scenario(&mut self, path: PathBuf, before: Option<String>) {
+    fn write_scenario(&mut self, path: PathBuf, before: Option<Arc<str>>) {
         let Some(scene) = &self.scene else {
             self.tell(
                 Level::Warning,

@@ -77,6 +77,12 @@ impl<D: Document> Editing<D> {
         self.fault.as_deref()
     }
 
+    /// Holds the map back from the scene as it is now, because of `fault`.
+    pub fn refuse(&mut self, fault: String) {
+        self.fault = Some(fault);
+        self.sync.drop_wish();
+    }
+
     /// Whether a drag is under way.
     pub fn is_held(&self) -> bool {
         self.history.is_held()

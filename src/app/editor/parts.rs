@@ -66,3 +66,32 @@ pub fn head(ui: &mut egui::Ui, text: &str, why: &str, width: f32) {
         },
     );
 }
+
+/// A list that drops down and shows `now`; what was picked of `items`, if anything. `name` is what a screen reader says.
+pub fn choose<T>(
+    ui: &mut egui::Ui,
+    name: &str,
+    why: &str,
+    now: &str,
+    width: f32,
+    items: impl IntoIterator<Item = (String, bool, T)>,
+) -> Option<T> {
+    let mut picked = None;
+    let combo = egui::ComboBox::from_id_salt(name)
+        .selected_text(now)
+        .width(width)
+        .height(520.0)
+        .show_ui(ui, |ui| {
+            for (text, on, value) in items {
+                if ui.selectable_label(on, text).clicked() && !on {
+                    picked = Some(value);
+                }
+            }
+        });
+    combo.response.widget_info(|| {
+        let role = egui::accesskit::Role::ComboBox;
+        egui::WidgetInfo::labeled(role, ui.is_enabled(), name)
+    });
+    combo.response.on_hover_text(why);
+    picked
+}
