@@ -16,6 +16,7 @@ mod run;
 mod scenario;
 mod scene;
 mod summary;
+mod train;
 mod workbench;
 
 use clap::{Parser, Subcommand};
@@ -90,6 +91,8 @@ enum Command {
     Deform(deform::DeformArgs),
     /// Run an experiment: tables, plots and what holds. "list" tells which there are.
     Lab(lab::LabArgs),
+    /// Do an exercise with a simulated observer, write score sheets, fit psychometric functions.
+    Train(train::TrainArgs),
     /// Count one case of `lab pruning`; the lab starts it.
     #[command(name = crate::lab::pruning::SUBCOMMAND, hide = true)]
     Count,
@@ -135,6 +138,7 @@ pub fn main() -> u8 {
         Some(Command::Partition(args)) => partition::run(args, json),
         Some(Command::Deform(args)) => deform::run(args, json),
         Some(Command::Lab(args)) => lab::run(args, json),
+        Some(Command::Train(args)) => train::run(args, json),
         Some(Command::Count) => count::run(),
     };
     match outcome {

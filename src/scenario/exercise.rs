@@ -510,3 +510,181 @@ impl Check<'_> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::Scenario;
+    use proptest::prelude::*;
+
+    const HEAD: &str = "format = 1\nname = \"T\"\nsurface.builtin = \"back\"\nstiffness.constant_n_per_mm = 1\n[exercise]\n";
+
+    fn parse(table: &str) -> Result<Exercise, ScenarioError> {
+        let scenario = Scenario::parse(&format!("{HEAD}{table}"), "a.toml", None)?;
+        Ok(scenario.exercise.expect("stated"))
+    }
+
+    #[test]
+    fn what_is_left_out_has_its_default() {
+        for task in TASKS {
+            let found = parse(&format!("task = {task:?}")).expect(task);
+            assert_eq!(
+                found,
+                Exercise {
+                    task,
+                    ..Exercise::default()
+                }
+            );
+        }
+        assert_eq!(Exercise::default().candidates.len(), 24);
+        let staircase = parse("task = \"locate\"\nstaircase = {}")
+            .expect("good")
+            .staircase;
+        assert_eq!(staircase, Some(Staircase::default()));
+    }
+
+    #[test]
+    fn what_is_stated_is_what_is_asked() {
+        let found = parse(
+            "task = \"compare\"\ncandidates = \"T3-T4 both sides\"\ndysfunction = \"texture\"\n\
+             change = { stiffness_percent = -20 }\nmost = 3\ntrials = 7\npractice = 2\ntrial_limit_s = 30\nlimit_s = 600\n\
+             feedback = \"right\"\nasks = [\"kind\", \"severity\"]\nvary_stiffness_percent = 0\ntolerance_mm = 9\nseed = 5\n\
+             [exercise.staircase]\nrule = \"weighted-up-down\"\nmeasure = \"stiffness\"\nstep_percent = 4\nstart_percent = 60\n\
+             least_percent = 5\nmost_percent = 200\ntarget_percent = 80\nreversals = 9\nskipped_reversals = 1\n\
+             constant_percent = [5, 60]",
+        )
+        .expect("good");
+        let change = Change::StiffnessPercent(-20.0);
+        assert_eq!(
+            found.hides,
+            Hides::Drawn {
+                kind: "texture",
+                change,
+                most: 3
+            }
+        );
+        assert_eq!(
+            (found.candidates.len(), found.trials, found.practice),
+            (4, 7, 2)
+        );
+        assert_eq!(
+            (found.trial_limit_s, found.limit_s, found.seed),
+            (Some(30.0), Some(600.0), Some(5))
+        );
+        assert_eq!(
+            [found.asks_confidence, found.asks_kind, found.asks_severity],
+            [false, true, true]
+        );
+        assert_eq!(found.feedback, Feedback::Right);
+        let expected = Staircase {
+            rule: "weighted-up-down",
+            measure: Measure::Stiffness,
+            step: Step::Percent(4.0),
+            start_percent: 60.0,
+            least_percent: 5.0,
+            most_percent: 200.0,
+            target: 0.8,
+            reversals: Some(9),
+            skipped_reversals: 1,
+            constant_percent: vec![5.0, 60.0],
+        };
+        assert_eq!(found.staircase, Some(expected));
+    }
+
+    #[test]
+    fn each_fault_is_told_with_line_key_value_and_what_is_allowed() {
+        for (table, told) in [
+            (
+                "task = \"guess\"",
+                "line 6: task = \"guess\"; allowed are \"locate\"",
+            ),
+            ("trials = 3", "missing key `task`"),
+            (
+                "task = \"locate\"\ntrials = 0",
+                "line 7: trials = 0; 1 to 10000 is allowed",
+            ),
+            (
+                "task = \"locate\"\ncandidates = \"T13\"",
+                "line 7: candidates = \"T13\"",
+            ),
+            (
+                "task = \"locate\"\ndysfunction = \"bad\"",
+                "line 7: dysfunction = \"bad\"; allowed are",
+            ),
+            (
+                "task = \"locate\"\nchange = {}",
+                "line 7: change needs either",
+            ),
+            (
+                "task = \"locate\"\nchange = { compliance_percent = 0 }",
+                "line 7: change = 0 %",
+            ),
+            (
+                "task = \"locate\"\nchange = { compliance_percent = -100 }",
+                "-90 to 900 is allowed",
+            ),
+            (
+                "task = \"locate\"\nfeedback = \"all\"",
+                "line 7: feedback = \"all\"",
+            ),
+            (
+                "task = \"locate\"\nasks = [\"name\"]",
+                "line 7: asks = \"name\"",
+            ),
+            (
+                "task = \"locate\"\nseed = -1",
+                "line 7: seed = -1; 0 and above",
+            ),
+            ("task = \"locate\"\nlimit_s = nan", "line 7: limit_s = NaN"),
+            (
+                "task = \"locate\"\nhides = \"stated\"\nmost = 2",
+                "line 8: most belongs to hides = \"drawn\"",
+            ),
+            (
+                "task = \"locate\"\nhints = true",
+                "line 7: unknown key `hints`",
+            ),
+            (
+                "task = \"locate\"\nstaircase = { rule = \"up\" }",
+                "line 7: rule = \"up\"",
+            ),
+            (
+                "task = \"locate\"\nstaircase = { step_db = 1, step_percent = 1 }",
+                "only one of them",
+            ),
+            (
+                "task = \"locate\"\nstaircase = { start_percent = 95 }",
+                "start_percent = 95; 1 to 75",
+            ),
+            (
+                "task = \"locate\"\nstaircase = { least_percent = 50, most_percent = 40 }",
+                "most_percent = 40; above",
+            ),
+            (
+                "task = \"locate\"\nstaircase = { constant_percent = [80] }",
+                "constant_percent = 80",
+            ),
+        ] {
+            let error = parse(table).expect_err(table).to_string();
+            assert!(
+                error.contains(told) && !error.contains('\n'),
+                "{table:?} gave {error:?}"
+            );
+        }
+        let mesh = HEAD.replace("surface.builtin = \"back\"", "surface.mesh = \"a.obj\"");
+        let error = Scenario::parse(&format!("{mesh}task = \"locate\""), "a.toml", None);
+        assert!(error.is_err_and(|e| e.0.contains("line 6: sites belong to builtin")));
+    }
+
+    proptest! {
+        #[test]
+        fn no_number_makes_it_fail_otherwise_than_in_one_line(x in any::<f64>(), n in any::<i64>(), key in 0..8_usize) {
+            let keys = ["trials", "seed", "limit_s", "tolerance_mm", "vary_stiffness_percent", "most", "practice", "trial_limit_s"];
+            for value in [format!("{n}"), format!("{x:e}")] {
+                if let Err(e) = parse(&format!("task = \"locate\"\n{} = {value}", keys[key])) {
+                    prop_assert!(e.0.starts_with("a.toml: line ") && !e.0.contains('\n'), "{}", e.0);
+                }
+            }
+        }
+    }
+}

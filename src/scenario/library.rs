@@ -9,7 +9,7 @@ pub struct Example {
     pub text: &'static str,
 }
 
-const EXAMPLES: [Example; 11] = [
+const EXAMPLES: [Example; 12] = [
     Example {
         file: "FIRST.toml",
         text: include_str!("../../assets/scenarios/FIRST.toml"),
@@ -29,6 +29,10 @@ const EXAMPLES: [Example; 11] = [
     Example {
         file: "fibrosis.toml",
         text: include_str!("../../assets/scenarios/fibrosis.toml"),
+    },
+    Example {
+        file: "locate.toml",
+        text: include_str!("../../assets/scenarios/locate.toml"),
     },
     Example {
         file: "frictionless.toml",

@@ -125,7 +125,7 @@ pub struct Read {
     /// What of its end is not whole.
     pub cut_off: Option<CutOff>,
     /// Bytes that are whole.
-    whole_bytes: usize,
+    pub(super) whole_bytes: usize,
 }
 
 /// Reads the journal in `folder`.

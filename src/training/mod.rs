@@ -9,6 +9,7 @@
 //! | [`sitting`], [`journal`] | an exercise with its journal, which no end of the program takes a settled trial from |
 //! | [`observer`] | a simulated trainee whose d′ is known |
 //! | [`analysis`] | what the trials of an exercise say of who did them |
+//! | [`sheet`] | score sheets to print, CSV, Parquet |
 //! | [`psychometric`], [`detection`], [`normal`] | share of right answers over strength, fitted; d′ |
 //! | [`palpation`], [`score`] | how a back is palpated, and by how much an answer is wrong |
 //! | [`level`], [`random`] | strengths on a staircase's scale; chance that can be repeated |
@@ -25,6 +26,7 @@ pub mod psychometric;
 pub mod random;
 pub mod run;
 pub mod score;
+pub mod sheet;
 pub mod shown;
 pub mod sitting;
 pub mod staircase;
