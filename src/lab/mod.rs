@@ -19,6 +19,7 @@ mod report;
 mod shelf;
 pub mod stability;
 mod table;
+pub mod training;
 mod watch;
 
 use crate::scenario::Scenario;
@@ -56,6 +57,7 @@ pub fn all() -> &'static [&'static dyn Experiment] {
         &stability::StabilityController,
         &stability::Extremes,
         &stability::Integrators,
+        &training::TrainingObserver,
     ]
 }
 
