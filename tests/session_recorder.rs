@@ -37,6 +37,7 @@ fn header(n_fingers: usize) -> Header {
         started_utc: utc_now(),
         participant: None,
         edit: 0,
+        sealed: false,
     }
 }
 
@@ -301,6 +302,72 @@ fn a_full_disk_is_told_and_what_was_written_stays_readable() {
         n > 1000 && n < written && read.damage.unfinished,
         "{n} of {written}"
     );
+}
+
+#[test]
+fn what_a_trial_hides_is_in_its_file_only_once_it_is_revealed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("trial.mcap");
+    let (mut ring, records) = RingBuffer::new(4096);
+    let recorder = RecorderThread::spawn(records, None).unwrap();
+    let shown = Header {
+        sealed: true,
+        ..header(2)
+    };
+    let felt = Header {
+        scenario_toml: "format = 1\nname = \"Shown\"\n# the hidden place\n".into(),
+        mesh: MeshSource {
+            hash: "beef".into(),
+            ..shown.mesh.clone()
+        },
+        sealed: false,
+        ..shown.clone()
+    };
+    recorder.start(&path, shown.clone()).unwrap();
+    push(&mut ring, 0..2000);
+    std::thread::sleep(Duration::from_millis(600));
+    let before = std::fs::read(&path).unwrap();
+    let hidden = |bytes: &[u8]| bytes.windows(10).all(|w| w != b"the hidden");
+    assert!(hidden(&before) && before.len() > 100_000);
+    let sealed = Session::open(&path).unwrap();
+    assert_eq!(sealed.header(), &shown);
+    assert!(recorder.reveal(shown.clone()).is_err(), "nothing to reveal");
+    recorder.reveal(felt.clone()).unwrap();
+    recorder.stop().unwrap();
+    let session = Session::open(&path).unwrap();
+    assert_eq!(session.header(), &felt);
+    let read = session.load(Strictness::Strict).unwrap();
+    assert_eq!(read.fingers[1].len(), 2000);
+    // Cut off before it was revealed: readable, and sealed still.
+    let cut = folder.path().join("cut.mcap");
+    std::fs::write(&cut, &before).unwrap();
+    let cut = Session::open(&cut).unwrap();
+    assert!(cut.header().sealed);
+    assert!(cut.load(Strictness::Lenient).unwrap().fingers[0].len() > 500);
+}
+
+#[test]
+fn what_is_felt_while_a_recording_is_held_is_not_in_it() {
+    let mut rig = Bench::new();
+    let path = rig.path();
+    rig.recorder.start(&path, header(2)).unwrap();
+    rig.push(0..500);
+    rig.wait_for_tap(1000);
+    rig.recorder.hold(true).unwrap();
+    rig.push(500..800);
+    rig.wait_for_tap(1600);
+    rig.recorder.hold(false).unwrap();
+    rig.push(800..1000);
+    rig.wait_for_tap(2000);
+    rig.recorder.stop().unwrap();
+    let read = Session::open(&path)
+        .unwrap()
+        .load(Strictness::Strict)
+        .unwrap();
+    // The times tell which ticks these are: their numbers go on behind the gap.
+    assert_eq!(read.fingers[0].len(), 700);
+    let kinds: Vec<_> = read.events.iter().map(|e| e.kind.as_str()).collect();
+    assert_eq!(kinds, ["restart"], "a gap, and nothing lost");
 }
 
 const KILLED: &str = "DORSUM_TEST_RECORD_UNTIL_KILLED";

@@ -118,6 +118,7 @@ fn header() -> Header {
         started_utc: "2031-05-17T09:30:00Z".into(),
         participant: None,
         edit: 0,
+        sealed: false,
     }
 }
 

@@ -3,6 +3,7 @@
 //! [`Action`] is the one list of things with a name: menu, palette, keys and tooltips derive from it. [`Command`] is what
 //! travels: an action or a wish that carries a value.
 
+use super::bench::Wish;
 use super::messages::Level;
 use egui::{Key, KeyboardShortcut, Modifiers};
 use egui_material_icons::MaterialIcon;
@@ -62,6 +63,10 @@ pub enum Command {
     PopOut(&'static str),
     /// Bring a panel back from its own window.
     DockBack(&'static str),
+    /// Open or close the trainee's own window.
+    ShowTraineeWindow(bool),
+    /// Something of an exercise.
+    Exercise(Wish),
     /// Add a line to the messages.
     Tell(Level, String),
 }
@@ -89,6 +94,10 @@ pub enum Action {
     ResetLayout,
     ResetTiming,
     ClearMessages,
+    BeInstructor,
+    BeTrainee,
+    BeResearcher,
+    TraineeWindow,
 }
 
 /// Which menu an action is in.
@@ -98,6 +107,7 @@ pub enum Menu {
     File,
     Session,
     View,
+    Role,
 }
 
 /// What there is to know about an action.
@@ -132,7 +142,7 @@ const fn plain(key: Key) -> Option<KeyboardShortcut> {
 
 impl Action {
     /// All of them, in the order of the menus.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 23] = [
         Self::OpenScenario,
         Self::SaveScenario,
         Self::SaveScenarioAs,
@@ -152,6 +162,10 @@ impl Action {
         Self::ResetLayout,
         Self::ResetTiming,
         Self::ClearMessages,
+        Self::BeInstructor,
+        Self::BeTrainee,
+        Self::BeResearcher,
+        Self::TraineeWindow,
     ];
 
     /// What there is to know about it.
@@ -289,6 +303,34 @@ impl Action {
                 "Forget all messages so far",
                 icon::ICON_DELETE,
                 None,
+            ),
+            Self::BeInstructor => (
+                Menu::Role,
+                "Instructor",
+                "Make scenarios and watch a trainee: scenario editor, exercise with its truth, live plots",
+                icon::ICON_SCHOOL,
+                None,
+            ),
+            Self::BeTrainee => (
+                Menu::Role,
+                "Trainee",
+                "Palpate and answer: the back and the exercise, nothing that gives it away",
+                icon::ICON_TOUCH_APP,
+                None,
+            ),
+            Self::BeResearcher => (
+                Menu::Role,
+                "Researcher",
+                "Measure, record, replay and compare: plots, timing, recorder",
+                icon::ICON_SCIENCE,
+                None,
+            ),
+            Self::TraineeWindow => (
+                Menu::Role,
+                "Trainee's window",
+                "A window for the trainee, full screen on the second screen; this one keeps the truth",
+                icon::ICON_DESKTOP_WINDOWS,
+                ctrl_shift(Key::W),
             ),
         };
         ActionSpec {

@@ -1,6 +1,7 @@
 //! Opening the window.
 
 use super::bench::Source;
+use super::roles::Role;
 use super::shell::{Start, Workbench};
 use crate::scenario;
 use std::path::PathBuf;
@@ -27,6 +28,10 @@ pub struct Options {
     pub press: bool,
     /// Dark or light; `None` takes the stored choice.
     pub dark: Option<bool>,
+    /// Whose workspace; `None` takes the stored one.
+    pub role: Option<Role>,
+    /// Whether the trainee's own window opens too.
+    pub trainee_window: bool,
     /// A panel to bring to the front, by its key.
     pub panel: Option<String>,
     /// What the Back view colours the skin by, by its key; `None` takes the stored choice.
@@ -59,6 +64,8 @@ impl Default for Options {
             screenshot: None,
             press: false,
             dark: None,
+            role: None,
+            trainee_window: false,
             panel: None,
             colour: None,
             look: Vec::new(),
@@ -106,6 +113,8 @@ pub fn run(options: Options) -> Result<(), String> {
         recording: options.recording.clone(),
         folder: recordings_folder(),
         dark: options.dark,
+        role: options.role,
+        trainee_window: options.trainee_window,
         panel: options.panel.clone(),
         recall: recalled(&options),
     };

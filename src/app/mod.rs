@@ -13,6 +13,7 @@
 //! | [`mod@bench`] | what runs behind the window: scene, servo, recorder, replay |
 //! | [`shell`] | menu, dock, own windows, status bar, keys |
 //! | [`dock`] | where the panels are |
+//! | [`roles`] | who sits before the window, and which workspace is ready for them |
 //! | [`editor`] | what the map editors share |
 //! | [`study`] | the tree of cells that is looked at |
 //! | [`messages`] | what the workbench had to say |
@@ -32,6 +33,7 @@ mod libraries;
 pub mod messages;
 pub mod panels;
 pub mod render;
+pub mod roles;
 pub mod shell;
 pub mod state;
 pub mod stereo;

@@ -2,11 +2,14 @@
 
 use super::history::History;
 use super::messages::Message;
+use super::roles::Role;
 use super::study::SharedStudy;
 use super::theme::Theme;
 use crate::device::mouse::MouseHandle;
+use crate::geom::Vec2;
 use crate::scenario::{Item, Scene, Use};
 use crate::servo::{FingerRecord, Snapshot};
+use crate::training::{Shown, TrialRecord};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -56,6 +59,12 @@ pub struct View {
     pub force_enabled: bool,
     /// What the workbench had to say, oldest first.
     pub messages: Arc<Vec<Message>>,
+    /// Whose workspace it is shown in.
+    pub role: Role,
+    /// Whether the trainee has a window of its own.
+    pub trainee_window: bool,
+    /// The exercise that runs, as far as the reader may know it.
+    pub exercise: Option<ExerciseView>,
     /// The window's GL context; `None` without one (tests).
     pub gl: Option<Arc<eframe::glow::Context>>,
     /// How long frames take.
@@ -73,7 +82,6 @@ impl Default for View {
             edit: 0,
             unsaved: false,
             saved: None,
-            blind: false,
             purpose: Use::default(),
             parts: Parts::default(),
             study: SharedStudy::default(),
@@ -88,11 +96,34 @@ impl Default for View {
             devices: Vec::new(),
             force_enabled: true,
             messages: Arc::default(),
+            role: Role::default(),
+            trainee_window: false,
+            blind: false,
+            exercise: None,
             gl: None,
             frame: FrameTiming::default(),
             theme: super::theme::DARK,
         }
     }
+}
+
+/// An exercise that runs, as far as its reader may know it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExerciseView {
+    /// What may be shown of the trial at hand.
+    pub shown: Shown,
+    /// Whether the next trial can start: its scene is built, and the recording of the one before is finished.
+    pub prepared: bool,
+    /// What is hidden in the trial at hand, in words; `None` for who may not know, or while it is built.
+    pub truth: Option<Vec<String>>,
+    /// Where that is on the map plane, mm.
+    pub truth_mm: Vec<Vec2>,
+    /// Where the threshold is by now, in words; `None` for who may not know.
+    pub threshold: Option<String>,
+    /// Trials settled so far; none of them for the trainee before the end.
+    pub settled: Vec<TrialRecord>,
+    /// Where answers and recordings are kept.
+    pub folder: PathBuf,
 }
 
 /// What a part that a panel built holds and costs.

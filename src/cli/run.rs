@@ -224,6 +224,7 @@ impl Plan {
             started_utc: utc_now(),
             participant: None,
             edit: 0,
+            sealed: false,
         }
     }
 

@@ -28,6 +28,12 @@ pub struct WorkbenchArgs {
     /// With --screenshot: how long the scene is on show before, s.
     #[arg(long, value_name = "S", default_value_t = 3.0)]
     after_s: f64,
+    /// Whose workspace opens; otherwise as chosen last.
+    #[arg(long, value_enum)]
+    role: Option<Role>,
+    /// Open the trainee's own window too.
+    #[arg(long)]
+    trainee_window: bool,
     /// Bring this panel to the front (its key, such as "scene").
     #[arg(long, value_name = "PANEL")]
     panel: Option<String>,
@@ -63,6 +69,14 @@ pub struct WorkbenchArgs {
 enum Theme {
     Dark,
     Light,
+}
+
+/// Whose workspace.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Role {
+    Instructor,
+    Trainee,
+    Researcher,
 }
 
 fn size(text: &str) -> Result<(u16, u16), String> {
@@ -137,6 +151,12 @@ fn options(args: &WorkbenchArgs) -> Result<crate::app::Options, CliError> {
         }),
         press: args.press,
         dark: args.theme.map(|theme| theme == Theme::Dark),
+        role: args.role.map(|role| match role {
+            Role::Instructor => crate::app::roles::Role::Instructor,
+            Role::Trainee => crate::app::roles::Role::Trainee,
+            Role::Researcher => crate::app::roles::Role::Researcher,
+        }),
+        trainee_window: args.trainee_window,
         panel: args.panel.clone(),
         colour: args.colour.clone(),
         experiment: args.experiment.clone(),

@@ -9,7 +9,7 @@ pub struct Example {
     pub text: &'static str,
 }
 
-const EXAMPLES: [Example; 12] = [
+const EXAMPLES: [Example; 15] = [
     Example {
         file: "FIRST.toml",
         text: include_str!("../../assets/scenarios/FIRST.toml"),
@@ -17,6 +17,18 @@ const EXAMPLES: [Example; 12] = [
     Example {
         file: "t5_right.toml",
         text: include_str!("../../assets/scenarios/t5_right.toml"),
+    },
+    Example {
+        file: "find_one_of_twelve.toml",
+        text: include_str!("../../assets/scenarios/find_one_of_twelve.toml"),
+    },
+    Example {
+        file: "compare_two.toml",
+        text: include_str!("../../assets/scenarios/compare_two.toml"),
+    },
+    Example {
+        file: "unknown_back.toml",
+        text: include_str!("../../assets/scenarios/unknown_back.toml"),
     },
     Example {
         file: "fryette_two.toml",

@@ -71,7 +71,7 @@
 //!
 //! # `dorsum.Event`
 //! `tick` (1, uint64), `time_ns` (2, uint64), `kind` (3, string), `text` (4, string). Kinds the recorder writes itself:
-//! `lost` (ticks that never reached it), `restart` (the servo was started anew; tick numbers go on after a gap). All
+//! `lost` (ticks that never reached it), `restart` (the servo was started anew, or a recording that was held went on; tick numbers go on after a gap). All
 //! others come from the program or the user, such as `mark`.
 //!
 //! # Edits
@@ -85,10 +85,16 @@
 //! but its state and inputs; s grows to 1 before edit n + 1 begins. A tick with `fade` below 1 so is a restart point for
 //! whoever has the texts of both edits. An edit changes no surface, friction, force model or engine.
 //!
+//! # Sealed sessions
+//! A trial whose scene is hidden from the trainee is recorded sealed: metadata and attachment at the start hold the scene as the
+//! trainee sees it, and `sealed` = `on`. Once the trial is answered, both are written a second time behind the ticks, for the
+//! scene that was felt and without `sealed`; a reader takes the last. A session that stayed sealed can be read, but not
+//! repeated.
+//!
 //! # Metadata `dorsum`
 //! `format` = `1`, `scenario_name`, `mesh_hash` (SHA-256, hexadecimal), `mesh_origin`, `mesh_triangles`, `rate_hz` (the time
 //! step is its reciprocal), `build`, `started_utc`, `participant` (a pseudonym; absent when none), `fingers` (their number),
-//! `edit` (the number of the edit that the attached scenario is; absent: 0), and for each finger `finger.N.device`,
+//! `edit` (the number of the edit that the attached scenario is; absent: 0), `sealed` (absent: `off`), and for each finger `finger.N.device`,
 //! `finger.N.rated_force_n`, `finger.N.rise_n_per_s`, `finger.N.passivity` (`on` with the passivity controller; absent: off). Numbers are written so that they read back to the same bits.
 
 use crate::contact::{Contact, Touch};

@@ -94,6 +94,10 @@ pub struct Header {
     /// Number of the edit that `scenario_toml` is; 0 before the first.
     #[serde(default)]
     pub edit: u32,
+    /// The run was felt in another scene than `scenario_toml` says: one that is hidden until its trial is answered, and
+    /// was not revealed. It cannot be repeated.
+    #[serde(default)]
+    pub sealed: bool,
 }
 
 /// The present instant as sessions write it, such as `2031-05-17T09:30:00.125Z`.
@@ -163,6 +167,9 @@ impl Header {
             put("participant", participant.clone());
         }
         put("edit", self.edit.to_string());
+        if self.sealed {
+            put("sealed", "on".to_owned());
+        }
         put("fingers", self.devices.len().to_string());
         for (i, device) in self.devices.iter().enumerate() {
             put(&format!("finger.{i}.device"), device.name.clone());
@@ -219,6 +226,7 @@ impl Header {
                 Some(_) => number(map, "edit", "a count")?,
                 None => 0,
             },
+            sealed: switch(map, "sealed")?,
         })
     }
 }
@@ -301,6 +309,7 @@ pub(super) mod tests {
             started_utc: "2031-05-17T09:30:00.125Z".into(),
             participant: Some("P07".into()),
             edit: 0,
+            sealed: false,
         }
     }
 

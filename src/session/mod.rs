@@ -76,6 +76,14 @@ pub enum SessionError {
         /// Hash of the scene's surface, shortened.
         found: String,
     },
+    /// The run was felt in a scene that was hidden, and its trial was never answered.
+    #[error(
+        "{path}: a trial that was not answered: the scene it was felt in stayed hidden, and it cannot be repeated"
+    )]
+    Sealed {
+        /// Which file.
+        path: PathBuf,
+    },
     /// A tick was felt in a scene that is not to be had.
     #[error("{path}: tick {tick} was felt after edit {edit} of the scene; {reason}")]
     Edit {

@@ -70,35 +70,22 @@ impl Session {
     /// The file cannot be read, is not a session, or its header is damaged.
     pub fn open(path: &Path) -> Result<Self, SessionError> {
         let mut walk = walk(path, Strictness::Lenient)?;
-        let mut map = None;
-        let mut scenario = None;
-        while map.is_none() || scenario.is_none() {
-            let damaged = |at, what| wire_error(path, WireError::Damaged(at, what));
-            match walk.advance().map_err(|e| wire_error(path, e))? {
-                Some(op::METADATA) => {
-                    let record = wire::metadata(walk.record());
-                    let (name, entries) = record.map_err(|e| damaged(walk.at(), e))?;
-                    if name == format::METADATA {
-                        map = Some(entries);
-                    }
-                }
-                Some(op::ATTACHMENT) => {
-                    let record = wire::attachment(walk.record());
-                    let (name, data) = record.map_err(|e| damaged(walk.at(), e))?;
-                    if name == format::SCENARIO {
-                        let text = std::str::from_utf8(data)
-                            .map_err(|e| damaged(walk.at(), format!("the scenario: {e}")))?;
-                        scenario = Some(text.to_owned());
-                    }
-                }
-                Some(op::HEADER) => {}
-                Some(_) | None => {
-                    let what = "its header is missing; was it recorded by Dorsum?".to_owned();
-                    return Err(damaged(walk.at(), what));
-                }
-            }
+        let mut about = About::default();
+        while !about.is_whole() {
+            let opcode = walk.advance().map_err(|e| wire_error(path, e))?;
+            let taken = match opcode {
+                Some(opcode) => about.take(opcode, &walk),
+                None => Err(NO_HEADER.into()),
+            };
+            taken.map_err(|what| wire_error(path, WireError::Damaged(walk.at(), what)))?;
         }
-        let (map, scenario) = (map.unwrap_or_default(), scenario.unwrap_or_default());
+        if about.is_sealed() {
+            about = revealed(&mut walk).unwrap_or(about);
+        }
+        let (map, scenario) = (
+            about.map.unwrap_or_default(),
+            about.scenario.unwrap_or_default(),
+        );
         let header = Header::from_map(&map, scenario).map_err(|e| SessionError::Damaged {
             path: path.to_owned(),
             reason: e.to_string(),
@@ -188,6 +175,69 @@ impl Session {
             damage: entries.damage,
         })
     }
+}
+
+const NO_HEADER: &str = "its header is missing; was it recorded by Dorsum?";
+
+/// Metadata and scenario of a session, as they are come upon.
+#[derive(Default)]
+struct About {
+    map: Option<BTreeMap<String, String>>,
+    scenario: Option<String>,
+}
+
+impl About {
+    fn is_whole(&self) -> bool {
+        self.map.is_some() && self.scenario.is_some()
+    }
+
+    fn is_sealed(&self) -> bool {
+        self.map.as_ref().is_some_and(|m| m.contains_key("sealed"))
+    }
+
+    /// Takes the record that `walk` stands at, one of those before the ticks.
+    fn take(&mut self, opcode: u8, walk: &Walk<BufReader<File>>) -> Result<(), String> {
+        match opcode {
+            op::METADATA => {
+                let (name, entries) = wire::metadata(walk.record())?;
+                if name == format::METADATA {
+                    self.map = Some(entries);
+                }
+            }
+            op::ATTACHMENT => {
+                let (name, data) = wire::attachment(walk.record())?;
+                if name == format::SCENARIO {
+                    let text =
+                        std::str::from_utf8(data).map_err(|e| format!("the scenario: {e}"))?;
+                    self.scenario = Some(text.to_owned());
+                }
+            }
+            op::HEADER => {}
+            _ => return Err(NO_HEADER.into()),
+        }
+        Ok(())
+    }
+}
+
+/// What a sealed session says behind its ticks; `None` where it was never answered, or where what says so is damaged.
+fn revealed(walk: &mut Walk<BufReader<File>>) -> Option<About> {
+    let mut about = About::default();
+    while !about.is_whole() {
+        let opcode = match walk.advance() {
+            Ok(opcode) => opcode?,
+            Err(_) => {
+                let behind = walk.next() + 1;
+                if !walk.resynchronise(behind).unwrap_or(false) {
+                    return None;
+                }
+                continue;
+            }
+        };
+        if matches!(opcode, op::METADATA | op::ATTACHMENT) {
+            about.take(opcode, walk).ok()?;
+        }
+    }
+    Some(about)
 }
 
 /// A session in memory.

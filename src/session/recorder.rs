@@ -70,6 +70,8 @@ enum Order {
         SyncSender<Result<(), SessionError>>,
     ),
     Stop(SyncSender<Result<RecordingSummary, SessionError>>),
+    Reveal(Box<Header>, SyncSender<Result<(), SessionError>>),
+    Hold(bool, SyncSender<()>),
     Mark(String, String),
     Swap(Consumer<FingerRecord>),
     Quit,
@@ -88,6 +90,8 @@ pub struct RecorderThread {
     known: VecDeque<EditText>,
     status: Arc<Mutex<RecorderStatus>>,
     writer: Option<SessionWriter>,
+    /// What is felt now does not belong into the file.
+    held: bool,
     batch: Vec<FingerRecord>,
 }
 
@@ -114,6 +118,7 @@ impl RecorderThread {
             known: VecDeque::new(),
             status: Arc::clone(&status),
             writer: None,
+            held: false,
             batch: vec![FingerRecord::default(); BATCH],
         };
         let name = Builder::new().name("recorder".into());
@@ -137,6 +142,13 @@ impl RecorderThread {
                 }
                 Ok(Order::Stop(reply)) => {
                     let _ = reply.send(self.stop());
+                }
+                Ok(Order::Reveal(header, reply)) => {
+                    let _ = reply.send(self.reveal(&header));
+                }
+                Ok(Order::Hold(hold, reply)) => {
+                    self.hold(hold);
+                    let _ = reply.send(());
                 }
                 Ok(Order::Mark(kind, text)) => self.write(|w| w.event(&kind, &text)),
                 Ok(Order::Swap(records)) => {
@@ -171,7 +183,9 @@ impl RecorderThread {
                 tap(&self.batch[..n]);
             }
             let batch = std::mem::take(&mut self.batch);
-            self.write(|w| batch[..n].iter().try_for_each(|r| w.write(r)));
+            if !self.held {
+                self.write(|w| batch[..n].iter().try_for_each(|r| w.write(r)));
+            }
             if let Some(newest) = batch[..n].last() {
                 self.forget_edits_before(newest);
             }
@@ -235,6 +249,7 @@ impl RecorderThread {
             }
         }
         self.writer = Some(writer);
+        self.held = false;
         *locked(&self.status) = RecorderStatus {
             state: RecorderState::Recording {
                 path: path.to_owned(),
@@ -242,6 +257,23 @@ impl RecorderThread {
             ..RecorderStatus::default()
         };
         Ok(())
+    }
+
+    fn hold(&mut self, hold: bool) {
+        if self.held
+            && !hold
+            && let Some(writer) = &mut self.writer
+        {
+            writer.restarted();
+        }
+        self.held = hold;
+    }
+
+    fn reveal(&mut self, header: &Header) -> Result<(), SessionError> {
+        let Some(writer) = &mut self.writer else {
+            return Err(SessionError::Recorder("is not recording".into()));
+        };
+        writer.reveal(header)
     }
 
     fn stop(&mut self) -> Result<RecordingSummary, SessionError> {
@@ -332,6 +364,27 @@ impl RecorderHandle {
         let (reply, answer) = sync_channel(1);
         self.order(Order::Stop(reply))?;
         wait(&answer)?
+    }
+
+    /// Says in which scene the sealed session was felt that is being recorded; nothing felt later is to be recorded with it.
+    ///
+    /// # Errors
+    /// Nothing is recorded, the header is not writable, writing failed, or the disk does not answer within ten seconds.
+    pub fn reveal(&self, header: Header) -> Result<(), SessionError> {
+        let (reply, answer) = sync_channel(1);
+        self.order(Order::Reveal(Box::new(header), reply))?;
+        wait(&answer)?
+    }
+
+    /// Leaves out of the file what is felt from now on, until told otherwise; it goes on behind a gap. For a while in which
+    /// another scene is felt.
+    ///
+    /// # Errors
+    /// The recorder does not answer within ten seconds.
+    pub fn hold(&self, hold: bool) -> Result<(), SessionError> {
+        let (reply, answer) = sync_channel(1);
+        self.order(Order::Hold(hold, reply))?;
+        wait(&answer)
     }
 
     /// Writes an event at the newest tick; nothing happens when nothing is recorded. Never waits: `false` when the disk is

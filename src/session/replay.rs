@@ -55,6 +55,11 @@ pub fn resimulate_edited<'a>(
     rebuild: Rebuild<'a>,
     strictness: Strictness,
 ) -> Result<Resimulation<'a>, SessionError> {
+    if session.header().sealed {
+        return Err(SessionError::Sealed {
+            path: session.path().to_owned(),
+        });
+    }
     let found = hexadecimal(&rig.scene.surface.hash());
     let recorded = &session.header().mesh.hash;
     if *recorded != found {

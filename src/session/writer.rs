@@ -346,6 +346,23 @@ impl<S: Store> SessionWriter<S> {
         self.put(format::EDITS_CHANNEL, tick, time_ns, &message)
     }
 
+    /// Says in which scene a sealed session was felt: to be called once, behind its ticks.
+    ///
+    /// # Errors
+    /// The header is not writable or still sealed, or writing failed.
+    pub fn reveal(&mut self, header: &Header) -> Result<(), SessionError> {
+        if header.sealed {
+            return Err(SessionError::Header {
+                key: "sealed".into(),
+                value: "on".into(),
+                allowed: "off, for what is revealed",
+            });
+        }
+        let metadata = header.to_map()?;
+        let started_ns = self.started_ns;
+        self.attempt(|mcap| about(mcap, header, metadata, started_ns))
+    }
+
     fn put(
         &mut self,
         channel_id: u16,
@@ -467,17 +484,7 @@ fn begin<S: Store>(
         // A chunk is built in memory and appended whole: the file never holds one with a blank header.
         .disable_seeking(true);
     let mut mcap = options.create(sink)?;
-    mcap.write_metadata(&Metadata {
-        name: format::METADATA.into(),
-        metadata,
-    })?;
-    mcap.attach(&Attachment {
-        log_time: started_ns,
-        create_time: started_ns,
-        name: format::SCENARIO.into(),
-        media_type: "application/toml".into(),
-        data: header.scenario_toml.as_bytes().into(),
-    })?;
+    about(&mut mcap, header, metadata, started_ns)?;
     let schemas = format::file_descriptor_set();
     let tick = mcap.add_schema(format::TICK_SCHEMA, "protobuf", &schemas)?;
     let event = mcap.add_schema(format::EVENT_SCHEMA, "protobuf", &schemas)?;
@@ -496,6 +503,26 @@ fn begin<S: Store>(
     }
     mcap.flush()?;
     Ok(mcap)
+}
+
+/// Writes what the run is: metadata and scenario.
+fn about<S: Store>(
+    mcap: &mut Writer<Sink<S>>,
+    header: &Header,
+    metadata: BTreeMap<String, String>,
+    started_ns: u64,
+) -> McapResult<()> {
+    mcap.write_metadata(&Metadata {
+        name: format::METADATA.into(),
+        metadata,
+    })?;
+    mcap.attach(&Attachment {
+        log_time: started_ns,
+        create_time: started_ns,
+        name: format::SCENARIO.into(),
+        media_type: "application/toml".into(),
+        data: header.scenario_toml.as_bytes().into(),
+    })
 }
 
 fn io_error(path: &Path, source: io::Error) -> SessionError {

@@ -37,7 +37,7 @@ fn until(bench: &mut Bench, view: &mut View, done: impl Fn(&View) -> bool) -> f6
     let began = Instant::now();
     loop {
         bench.poll();
-        bench.fill(view);
+        bench.fill(view, true);
         if done(view) {
             return began.elapsed().as_secs_f64() * 1e3;
         }

@@ -52,6 +52,7 @@ fn main() -> Result<(), Failed> {
         started_utc: utc_now(),
         participant: None,
         edit: 0,
+        sealed: false,
     };
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("bench.mcap");

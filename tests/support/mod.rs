@@ -245,11 +245,15 @@ pub type Window = Harness<'static, Desk>;
 
 /// A whole workbench without a window system, on the default scene, keeping recordings in `folder`.
 pub fn workbench(folder: PathBuf) -> Window {
-    let start = Start {
+    workbench_as(Start {
         source: Some(Source::Example(scenario::default_example())),
         folder,
         ..Start::default()
-    };
+    })
+}
+
+/// A whole workbench without a window system that starts as `start` says.
+pub fn workbench_as(start: Start) -> Window {
     let desk = Desk {
         workbench: None,
         frame: eframe::Frame::_new_kittest(),

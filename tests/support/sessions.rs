@@ -33,6 +33,7 @@ pub fn header(n_fingers: usize) -> Header {
         started_utc: "2031-05-17T09:30:00Z".into(),
         participant: Some("P07".into()),
         edit: 0,
+        sealed: false,
     }
 }
 /// Records of a smooth run: for each tick one per finger.

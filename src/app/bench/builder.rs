@@ -3,6 +3,7 @@
 use super::Wake;
 use super::job::Job;
 use crate::app::state::BuildStatus;
+use crate::scenario::exercise::Hides;
 use crate::scenario::{self, BuildError, Example, Scenario, Scene, Use};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -56,8 +57,48 @@ pub fn file_name(path: &Path) -> String {
     )
 }
 
+/// A scene, and the same without what its exercise hides, where that is stated in it.
+#[derive(Clone)]
+pub struct Built {
+    /// The scene as its scenario says.
+    pub scene: Arc<Scene>,
+    /// Without what is hidden; `None` where there is nothing to hide.
+    pub blind: Option<Arc<Scene>>,
+}
+
+impl Built {
+    /// `scene`, and what of it may be shown to who shall find the rest.
+    ///
+    /// # Errors
+    /// The other one cannot be built.
+    pub fn of(scene: Scene, purpose: Use) -> Result<Self, BuildError> {
+        let scenario = &scene.scenario;
+        let hides = scenario.exercise.as_ref().map(|e| &e.hides);
+        let blind = if hides == Some(&Hides::Stated) && !scenario.dysfunctions.is_empty() {
+            let blind = Arc::new(scenario.with_dysfunctions(&[])?);
+            Some(Arc::new(beside(&scene, blind, purpose)?))
+        } else {
+            None
+        };
+        let scene = Arc::new(scene);
+        Ok(Self { scene, blind })
+    }
+}
+
+/// A scene beside `scene`, sharing with it what it can.
+///
+/// # Errors
+/// The scenario is refused.
+pub fn beside(scene: &Scene, scenario: Arc<Scenario>, purpose: Use) -> Result<Scene, BuildError> {
+    if scenario::changes_surface(&scene.scenario, &scenario) {
+        scenario::build(scenario, purpose, &mut |_, _| true)
+    } else {
+        scenario::rebuild(scene, scenario, purpose)
+    }
+}
+
 /// A scene being built.
-pub type Build = Job<Result<Scene, BuildError>>;
+pub type Build = Job<Result<Built, BuildError>>;
 
 /// Starts building; `wake` is called when something is new to show.
 ///
@@ -70,6 +111,7 @@ pub fn build(source: Source, purpose: Use, wake: Wake) -> std::io::Result<Build>
         fraction: 0.0,
     };
     Job::start("builder", status, wake, move |progress| {
-        scenario::build(Arc::new(source.read()?), purpose, progress)
+        let scene = scenario::build(Arc::new(source.read()?), purpose, progress)?;
+        Built::of(scene, purpose)
     })
 }

@@ -4,9 +4,10 @@
 //! built; and handed to the servo when the edit before it is wholly felt. Whoever drags a key sends many: of those that come
 //! in the meantime only the newest is built, and only the newest built is felt.
 
+use super::builder::Built;
 use super::job::Job;
 use super::live::Live;
-use super::{Bench, Wake};
+use super::{Bench, Ready, Wake};
 use crate::app::messages::Level;
 use crate::app::state::BuildStatus;
 use crate::scenario::{self, BuildError, Scenario, Scene, Use};
@@ -19,7 +20,7 @@ pub type EditText = (u32, Arc<str>);
 pub struct Edits {
     /// The newest that was asked for and is not being built.
     wanted: Option<String>,
-    build: Option<Job<Result<Scene, BuildError>>>,
+    build: Option<Job<Result<Built, BuildError>>>,
     /// Drawn, and waiting for the edit before it to be wholly felt.
     ready: Option<Arc<Scene>>,
     /// The newest that the servo wholly feels, and the one that it is going over to.
@@ -79,7 +80,8 @@ impl Edits {
             None => open.scenario.source.clone(),
         };
         let old = Arc::clone(open);
-        let work = move |_: super::job::Progress<'_>| edited(&old, &source, purpose);
+        let work =
+            move |_: super::job::Progress<'_>| Built::of(edited(&old, &source, purpose)?, purpose);
         let job = Job::start("scene editor", BuildStatus::default(), wake.clone(), work)?;
         self.build = Some(job);
         Ok(())
@@ -110,14 +112,20 @@ impl Edits {
     }
 }
 
-/// The scene of an edited scenario, sharing with `old` what did not change.
+/// The scene of an edited scenario, sharing with `old` what did not change. Bumps that did give it another surface.
 ///
 /// # Errors
 /// What is wrong with the text, with its line, or what cannot be edited under the finger.
 pub fn edited(old: &Scene, source: &str, purpose: Use) -> Result<Scene, BuildError> {
     let folder = old.scenario.folder.as_deref();
-    let scenario = Scenario::parse(source, "edited scenario", folder)?;
-    scenario::rebuild(old, Arc::new(scenario), purpose)
+    let scenario = Arc::new(Scenario::parse(source, "edited scenario", folder)?);
+    if old.scenario.surface == scenario.surface
+        && scenario::changes_surface(&old.scenario, &scenario)
+    {
+        scenario::build(scenario, purpose, &mut |_, _| true)
+    } else {
+        scenario::rebuild(old, scenario, purpose)
+    }
 }
 
 impl Bench {
@@ -126,6 +134,13 @@ impl Bench {
     pub fn edit_scene(&mut self, source: String) {
         if self.replay.is_some() {
             let text = "A recording is on show: go back to live to edit the scene";
+            self.tell(Level::Warning, text);
+        } else if self.conceals && self.blind.is_some() {
+            let text =
+                "The trainee's workspace keeps what the exercise hides: edit in another role";
+            self.tell(Level::Warning, text);
+        } else if self.exercise.is_some() {
+            let text = "An exercise runs: end it to edit the scene";
             self.tell(Level::Warning, text);
         } else if self.scene.is_none() {
             self.tell(
@@ -155,6 +170,11 @@ impl Bench {
         }
     }
 
+    fn is_on_another_surface(&self, built: &Built) -> bool {
+        let open = self.scene.as_ref();
+        open.is_some_and(|open| !Arc::ptr_eq(&open.surface, &built.scene.surface))
+    }
+
     /// Draws what is built, hands it on to the servo and builds what was asked for since.
     pub(super) fn poll_edits(&mut self) -> bool {
         let lost = || Err(BuildError("the editor stopped unexpectedly".into()));
@@ -162,15 +182,22 @@ impl Bench {
         let changed = built.is_some();
         let built_well = matches!(built, Some(Ok(_)));
         match built {
-            Some(Ok(scene)) => {
-                let scene = Arc::new(scene);
+            Some(Ok(built)) if self.is_on_another_surface(&built) => {
+                self.edits.applied += 1;
+                self.edits.fault.clear();
+                self.ready = Some(Ready {
+                    built,
+                    opened: None,
+                });
+            }
+            Some(Ok(Built { scene, blind })) => {
                 let text = |s: &Scene| s.scenario.source.clone();
                 if self.scene.as_deref().map(text) != Some(text(&scene)) {
                     self.edits.ready = Some(Arc::clone(&scene));
                 }
                 self.edits.applied += 1;
                 self.edits.fault.clear();
-                self.scene = Some(scene);
+                (self.scene, self.blind) = (Some(scene), blind);
             }
             Some(Err(e)) if e.0 != self.edits.fault => {
                 self.edits.fault.clone_from(&e.0);

@@ -30,6 +30,7 @@ pub struct Live {
     recorder: Arc<RecorderHandle>,
     history: Arc<Mutex<History>>,
     plotted: Arc<AtomicBool>,
+    felt: Felt,
     hands: Vec<MouseHandle>,
     names: Vec<String>,
     limits: Limits,
@@ -54,10 +55,18 @@ fn rest_mm(scene: &Scene, finger: usize) -> Vec3 {
 /// Most records that wait for a plot that is being drawn: half a minute of two fingers.
 const WAITING: usize = 1 << 16;
 
-/// Feeds every tick into `history` while someone plots; waits for nobody: while a plot reads, ticks queue up here.
-fn tap_into(history: Arc<Mutex<History>>, plotted: Arc<AtomicBool>) -> Tap {
+/// What was felt since it was last taken; `None` while nobody wants to know.
+type Felt = Arc<Mutex<Option<Vec<FingerRecord>>>>;
+
+/// Feeds every tick into `history` while someone plots; waits for nobody: while a plot reads, ticks queue up here. And into
+/// `felt`, whose lock is held for a copy only.
+fn tap_into(history: Arc<Mutex<History>>, plotted: Arc<AtomicBool>, felt: Felt) -> Tap {
     let mut waiting: Vec<FingerRecord> = Vec::new();
     Box::new(move |records| {
+        if let Some(felt) = felt.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
+            let room = WAITING - felt.len().min(WAITING);
+            felt.extend(records.iter().take(room));
+        }
         if !plotted.load(Ordering::Relaxed) {
             waiting = Vec::new();
             return;
@@ -110,7 +119,8 @@ impl Live {
         } = lines;
         let history = Arc::new(Mutex::new(History::new(1.0 / config.dt_s())));
         let plotted = Arc::new(AtomicBool::new(true));
-        let tap = tap_into(history.clone(), plotted.clone());
+        let felt = Felt::default();
+        let tap = tap_into(history.clone(), plotted.clone(), felt.clone());
         let recorder = RecorderThread::spawn(records, Some(tap))?;
         Ok(Self {
             servo,
@@ -120,6 +130,7 @@ impl Live {
             recorder: Arc::new(recorder),
             history,
             plotted,
+            felt,
             hands,
             names,
             limits,
@@ -207,6 +218,17 @@ impl Live {
                 .unwrap_or_else(PoisonError::into_inner)
                 .clear();
         }
+    }
+
+    /// Whether what is felt is kept for [`Self::take_felt`].
+    pub fn listen(&self, on: bool) {
+        *self.felt.lock().unwrap_or_else(PoisonError::into_inner) = on.then(Vec::new);
+    }
+
+    /// What was felt since the last call, in order; nothing unless someone listens.
+    pub fn take_felt(&self) -> Vec<FingerRecord> {
+        let mut felt = self.felt.lock().unwrap_or_else(PoisonError::into_inner);
+        felt.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
     /// What moves the fingers.

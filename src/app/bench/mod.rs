@@ -2,16 +2,19 @@
 //!
 //! [`Bench::poll`] is called by the pump thread at display rate; the window only reads ([`Bench::fill`]) and asks.
 
+mod blind;
 mod builder;
 mod demo;
 mod document;
 mod edit;
+mod exercise;
 pub(in crate::app) mod job;
 mod live;
 mod recording;
 mod replay;
 
 pub use builder::{Source, file_name};
+pub use exercise::{Unfinished, Wish, unfinished};
 pub use live::FINGERS;
 
 use super::history::History;
@@ -21,10 +24,11 @@ use crate::contact::Touch;
 use crate::scenario::{self, BuildError, Scene, Use};
 use crate::servo::{Fault, FingerRecord, Health, Snapshot};
 use crate::session::RecorderState;
-use builder::Build;
+use builder::{Build, Built};
 use demo::Demo;
 use document::{Document, Saving};
 use edit::Edits;
+use exercise::Exercising;
 use live::Live;
 use recording::{Done, Recordings};
 use replay::{Opening, Replay};
@@ -66,17 +70,29 @@ const COUNTS: Duration = Duration::from_secs(1);
 /// Called when something is new to show.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
+/// A scene that is built and not yet open.
+struct Ready {
+    built: Built,
+    /// Its file, where it was opened; none where the open scene was edited.
+    opened: Option<Option<PathBuf>>,
+}
+
 /// The bench.
 pub struct Bench {
     wake: Wake,
     messages: Messages,
     scene: Option<Arc<Scene>>,
+    /// The open scene without what its exercise hides, where that is stated in it.
+    blind: Option<Arc<Scene>>,
+    /// Whether that is kept from everyone at the window.
+    conceals: bool,
+    exercise: Option<Exercising>,
     generation: u64,
     build: Option<Build>,
     /// The file that the scene being built comes from.
     building_from: Option<PathBuf>,
-    /// Built, and waiting for the recording of the scene before it to be finished; with its file.
-    ready: Option<(Arc<Scene>, Option<PathBuf>)>,
+    /// Built, and waiting for the recording of the scene before it to be finished.
+    ready: Option<Ready>,
     edits: Edits,
     document: Document,
     saving: Option<Saving>,
@@ -107,6 +123,9 @@ impl Bench {
             wake,
             messages: Messages::default(),
             scene: None,
+            blind: None,
+            conceals: false,
+            exercise: None,
             generation: 0,
             build: None,
             building_from: None,
@@ -143,6 +162,11 @@ impl Bench {
 
     /// Starts building a scene; one that is being built is cancelled.
     pub fn open(&mut self, source: Source) {
+        if self.is_blind() {
+            let text = "An exercise runs: end it before you open another scene";
+            self.tell(Level::Warning, text);
+            return;
+        }
         let path = match &source {
             Source::File(path) => Some(path.clone()),
             Source::Example(_) | Source::Text { .. } => None,
@@ -216,6 +240,7 @@ impl Bench {
         changed |= self.poll_saving();
         changed |= self.poll_live();
         changed |= self.poll_edits();
+        changed |= self.poll_exercise();
         changed |= self.poll_recorder();
         if let Some(replay) = &mut self.replay {
             changed |= replay.playback().advance(dt_s);
@@ -260,7 +285,10 @@ impl Bench {
         let cancelled = build.is_cancelled();
         self.build = None;
         match result {
-            Ok(scene) => self.ready = Some((Arc::new(scene), self.building_from.take())),
+            Ok(built) => {
+                let opened = Some(self.building_from.take());
+                self.ready = Some(Ready { built, opened });
+            }
             Err(e) if cancelled || e.0 == BuildError::CANCELLED => {
                 self.tell(Level::Info, "Building was cancelled");
             }
@@ -281,16 +309,25 @@ impl Bench {
         if !self.is_recording()
             && !self.recordings.is_busy()
             && self.saving.is_none()
-            && let Some((scene, path)) = self.ready.take()
-            && self.keep_unsaved()
+            && let Some(ready) = self.ready.take()
         {
-            self.document = Document::opened(path, &scene.scenario.source);
-            self.set_scene(scene);
+            match ready.opened {
+                Some(path) if self.keep_unsaved() => {
+                    self.document = Document::opened(path, &ready.built.scene.scenario.source);
+                    self.generation += 1;
+                    self.set_scene(ready.built);
+                }
+                Some(_) => {}
+                // The same document: who edits it goes on.
+                None => self.set_scene(ready.built),
+            }
         }
         true
     }
 
-    fn set_scene(&mut self, scene: Arc<Scene>) {
+    fn set_scene(&mut self, built: Built) {
+        self.close_exercise();
+        let Built { scene, blind } = built;
         if let Some(units) = &scene.mesh_units {
             self.tell(Level::Info, format!("{}: {units}", scene.mesh_origin));
         }
@@ -302,16 +339,16 @@ impl Bench {
             let text = format!("{}: and {} more defects", scene.mesh_origin, more + 1);
             self.tell(Level::Warning, text);
         }
+        let felt = blind.as_ref().filter(|_| self.conceals).unwrap_or(&scene);
         match &mut self.live {
-            Some(live) => live.set_scene(&scene),
-            None => match Live::start(&scene, self.force_enabled) {
+            Some(live) => live.set_scene(felt),
+            None => match Live::start(felt, self.force_enabled) {
                 Ok(live) => self.live = Some(live),
                 Err(e) => self.tell(Level::Error, format!("the servo cannot start: {e}")),
             },
         }
         self.edits.begin(&scene);
-        self.scene = Some(scene);
-        self.generation += 1;
+        (self.scene, self.blind) = (Some(scene), blind);
         // A view may have opened or closed while it was built.
         self.start_edit();
     }
@@ -390,6 +427,7 @@ impl Bench {
                     );
                 }
             }
+            Some(Done::Quiet) => {}
             Some(Done::Copied(path)) => {
                 self.tell(Level::Info, format!("Saved {}", path.display()));
             }
@@ -408,6 +446,11 @@ impl Bench {
 
     /// Begins a recording, or finishes the one that runs.
     pub fn toggle_recording(&mut self) {
+        if self.exercise.is_some() {
+            let text = "An exercise runs: each of its trials is recorded by itself";
+            self.tell(Level::Warning, text);
+            return;
+        }
         if self.recordings.is_busy() {
             return;
         }
@@ -435,6 +478,11 @@ impl Bench {
 
     /// Reads a recording and replays it.
     pub fn open_recording(&mut self, path: PathBuf) {
+        if self.is_blind() {
+            let text = "An exercise runs: end it before you open a recording";
+            self.tell(Level::Warning, text);
+            return;
+        }
         let opening = replay::open(path, self.scene.clone(), PURPOSE, self.wake.clone());
         match opening {
             Ok(opening) => self.opening = Some(opening),
@@ -537,11 +585,13 @@ impl Bench {
         self.opening = None;
         self.keep_unsaved();
         self.recordings.wait();
+        self.close_exercise();
+        self.recordings.wait();
         self.live = None;
     }
 
-    /// Writes what panels may read into `view`.
-    pub fn fill(&self, view: &mut View) {
+    /// Writes what panels may read into `view`: with what an exercise hides for somebody who may see it.
+    pub fn fill(&self, view: &mut View, sees_truth: bool) {
         view.scene.clone_from(&self.scene);
         view.scene_generation = self.generation;
         view.edit = self.edits.applied();
@@ -582,6 +632,7 @@ impl Bench {
                 view.edit = replay.scenes_shown();
             }
         }
+        self.fill_exercise(view, sees_truth);
     }
 
     /// How many messages were told so far.

@@ -16,8 +16,20 @@ const LISTED: usize = 20;
 /// Longest wait for the disk on the way out.
 const PATIENCE: Duration = Duration::from_secs(10);
 
+/// What the file of a trial goes through.
+pub enum Tape {
+    /// Is begun, with what it says of itself until its trial is answered.
+    Begin(PathBuf, Box<Header>),
+    /// Is held, or goes on.
+    Hold(bool),
+    /// Is finished, with what was felt in truth where that may be said.
+    Finish(Option<Box<Header>>),
+}
+
 /// What a job of the recorder came to.
 pub enum Done {
+    /// Something of which nobody need hear.
+    Quiet,
     /// A file was begun.
     Started(PathBuf),
     /// A file was finished.
@@ -107,6 +119,27 @@ impl Recordings {
         self.run(move || match recorder.stop() {
             Ok(summary) => Done::Finished(summary),
             Err(e) => Done::Failed(format!("the recording did not finish: {e}")),
+        })
+    }
+
+    /// Does something with the file of a trial.
+    ///
+    /// # Errors
+    /// The system refuses another thread.
+    pub fn wind(&mut self, recorder: Arc<RecorderHandle>, tape: Tape) -> std::io::Result<()> {
+        self.run(move || {
+            let wound = match tape {
+                Tape::Begin(path, header) => recorder.start(&path, *header),
+                Tape::Hold(hold) => recorder.hold(hold),
+                Tape::Finish(truth) => {
+                    let revealed = truth.map_or(Ok(()), |truth| recorder.reveal(*truth));
+                    revealed.and(recorder.stop().map(drop))
+                }
+            };
+            match wound {
+                Ok(()) => Done::Quiet,
+                Err(e) => Done::Failed(format!("the trial is not recorded: {e}")),
+            }
         })
     }
 
@@ -231,6 +264,7 @@ pub fn header(scene: &Scene, live: &Live, felt: &EditText) -> Header {
         started_utc: session::utc_now(),
         participant: None,
         edit: felt.0,
+        sealed: false,
     }
 }
 
@@ -253,6 +287,7 @@ mod tests {
             started_utc: "2031-05-17T09:30:00.125Z".into(),
             participant: None,
             edit: 0,
+            sealed: false,
         }
     }
 

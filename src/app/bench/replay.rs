@@ -77,6 +77,10 @@ fn read(
         ));
     }
     let header = &recording.header;
+    if header.sealed {
+        let what = "a trial that was not answered; it is shown without what was hidden in it";
+        remarks.push(format!("{}: {what}", path.display()));
+    }
     let scene = match open.filter(|s| s.scenario.source == header.scenario_toml) {
         Some(scene) if scene.fits(purpose) => Some(scene),
         Some(scene) => {

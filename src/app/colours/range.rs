@@ -130,7 +130,7 @@ impl Range {
         }
     }
 
-    /// Step between numbers so that there are at most `most` steps.
+    /// Step between numbers so that there are at most `most` steps; a finer one where no multiple of that lies in the range.
     pub fn step(&self, most: usize) -> f64 {
         let [low, high] = self.bounds();
         let raw = (high - low) / most.max(1) as f64;
@@ -139,22 +139,21 @@ impl Range {
             return steps.into_iter().find(|&s| s >= raw).unwrap_or(180.0);
         }
         let power = 10.0_f64.powf(raw.log10().floor());
-        let steps = [1.0, 2.0, 5.0, 10.0].map(|m| m * power);
-        steps
-            .into_iter()
-            .find(|&s| s >= raw * (1.0 - 1e-9))
-            .unwrap_or(10.0 * power)
+        let steps = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0].map(|m| m * power);
+        let coarse = steps.iter().position(|&s| s >= raw * (1.0 - 1e-9));
+        let coarse = coarse.unwrap_or(steps.len() - 1);
+        let fits = |&s: &f64| {
+            let [first, last] = multiples([low, high], s);
+            first <= last
+        };
+        let step = steps[..=coarse].iter().rev().copied().find(fits);
+        step.unwrap_or(steps[coarse])
     }
 
     /// Round values within the range, rising, at most `most` + 1 of them.
     pub fn ticks(&self, most: usize) -> Vec<f64> {
-        let [low, high] = self.bounds();
         let step = self.step(most);
-        let slack = 1e-6 * step;
-        let (first, last) = (
-            ((low - slack) / step).ceil() as i64,
-            ((high + slack) / step).floor() as i64,
-        );
+        let [first, last] = multiples(self.bounds(), step);
         (first..=last)
             .take(most + 1)
             .map(|i| i as f64 * step)
@@ -171,6 +170,15 @@ impl Range {
             })
             .unwrap_or(3) as usize
     }
+}
+
+/// The first and the last multiple of `step` within `bounds`, counted in steps; the last before the first where there is none.
+fn multiples([low, high]: [f64; 2], step: f64) -> [i64; 2] {
+    let slack = 1e-6 * step;
+    [
+        ((low - slack) / step).ceil() as i64,
+        ((high + slack) / step).floor() as i64,
+    ]
 }
 
 /// The smallest of 1, 1.5, 2, 3, 4, 5, 6 and 8 times a power of ten that is at least `x`; [`LEAST`] at the least.
@@ -203,6 +211,13 @@ mod tests {
         assert_eq!(range.bounds(), [-20.0, 20.0]);
         range.reset(Some([-0.5, 2.5]));
         assert_eq!(range.bounds(), [-3.0, 3.0]);
+    }
+
+    #[test]
+    fn a_range_between_two_round_numbers_has_a_number_all_the_same() {
+        let mut range = Range::new(Span::Data);
+        range.note([528_811.0, 958_644.0]);
+        assert_eq!(range.ticks(2), [600_000.0, 800_000.0]);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 pub mod back_view;
 pub mod ellipse_map;
+pub mod exercise;
 pub mod lab;
 mod legend;
 pub mod library;
@@ -76,7 +77,16 @@ pub fn all() -> Vec<Box<dyn Panel>> {
         Box::new(ellipse_map::EllipseMapPanel::default()),
         Box::new(stiffness_map::StiffnessMapPanel::default()),
         Box::new(lab::LabPanel::default()),
+        Box::new(exercise::ExercisePanel::default()),
         Box::new(scenario_editor::ScenarioEditorPanel::default()),
         Box::new(library::LibraryPanel::default()),
+    ]
+}
+
+/// The panels of the trainee's own window.
+pub fn trainee() -> Vec<Box<dyn Panel>> {
+    vec![
+        Box::new(back_view::BackView::default()),
+        Box::new(exercise::ExercisePanel::default()),
     ]
 }

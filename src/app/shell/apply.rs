@@ -5,6 +5,8 @@ use crate::app::bench::Source;
 use crate::app::command::{Action, Command};
 use crate::app::dialogs;
 use crate::app::dock::Layout;
+use crate::app::messages::Level;
+use crate::app::roles::Role;
 use crate::app::theme::Theme;
 
 impl Workbench {
@@ -27,17 +29,20 @@ impl Workbench {
             Command::SetPlaying(on) => shared.bench().set_playing(on),
             Command::SetSpeed(speed) => shared.bench().set_speed(speed),
             Command::SetLooped(on) => shared.bench().set_looped(on),
-            Command::ShowPanel(key) => self.layout.show(key),
-            Command::ClosePanel(key) => self.layout.close(key),
+            Command::ShowPanel(key) => self.layout_mut().show(key),
+            Command::ClosePanel(key) => self.layout_mut().close(key),
             Command::TogglePanel(key) => {
-                if self.layout.is_shown(key) {
-                    self.layout.close(key);
+                let layout = self.layout_mut();
+                if layout.is_shown(key) {
+                    layout.close(key);
                 } else {
-                    self.layout.show(key);
+                    layout.show(key);
                 }
             }
-            Command::PopOut(key) => self.layout.pop_out(key),
-            Command::DockBack(key) => self.layout.dock_back(key),
+            Command::PopOut(key) => self.layout_mut().pop_out(key),
+            Command::DockBack(key) => self.layout_mut().dock_back(key),
+            Command::ShowTraineeWindow(on) => shared.chrome().trainee_window = on,
+            Command::Exercise(wish) => shared.bench().exercise(wish),
             Command::Tell(level, text) => shared.bench().tell(level, text),
         }
         ctx.request_repaint();
@@ -90,9 +95,26 @@ impl Workbench {
                     None => Some(Palette::default()),
                 };
             }
-            Action::ResetLayout => self.layout = Layout::first(&shared.panels),
+            Action::ResetLayout => *self.layout_mut() = Layout::of(self.role(), &shared.panels),
+            Action::BeInstructor => self.take_role(Role::Instructor),
+            Action::BeTrainee => self.take_role(Role::Trainee),
+            Action::BeResearcher => self.take_role(Role::Researcher),
+            Action::TraineeWindow => {
+                let mut chrome = shared.chrome();
+                chrome.trainee_window = !chrome.trainee_window;
+            }
             Action::ResetTiming => shared.bench().reset_timing(),
             Action::ClearMessages => shared.bench().clear_messages(),
         }
+    }
+
+    /// Shows the workspace of `role`; not while an exercise runs, whose answer it might show.
+    fn take_role(&mut self, role: Role) {
+        if role != self.role() && self.shared.bench().is_blind() {
+            let text = "The role stays while an exercise runs: end it first";
+            self.shared.bench().tell(Level::Warning, text);
+            return;
+        }
+        self.shared.chrome().role = role;
     }
 }

@@ -3,8 +3,10 @@
 use super::Shared;
 use crate::app::command::{Action, Command, Menu, panel_shortcut};
 use crate::app::dock::Layout;
+use crate::app::roles::Role;
 use crate::app::state::View;
 use crate::app::widgets::{icon_button, named, with_key};
+use crate::training::Phase;
 use egui_material_icons::icons as icon;
 
 /// Runs what the pressed keys ask for.
@@ -18,10 +20,7 @@ pub fn keys(ctx: &egui::Context, shared: &Shared, recording_open: bool) {
     let typing = ctx.memory(|m| m.focused().is_some());
     for (shortcut, action) in actions {
         if action == Action::StopForce {
-            // Never consumed, never blocked: it must work whatever is open.
-            if ctx.input(|i| i.key_pressed(shortcut.logical_key)) {
-                shared.send.act(action);
-            }
+            stop_key(ctx, shared);
             continue;
         }
         let plain = shortcut.modifiers.is_none() && shortcut.logical_key != egui::Key::F11;
@@ -41,14 +40,27 @@ pub fn keys(ctx: &egui::Context, shared: &Shared, recording_open: bool) {
     }
 }
 
+/// Stops force on its key. Never consumed, never blocked: it must work whatever is open.
+pub fn stop_key(ctx: &egui::Context, shared: &Shared) {
+    let stop = Action::StopForce;
+    if let Some(shortcut) = stop.spec().shortcut
+        && ctx.input(|i| i.key_pressed(shortcut.logical_key))
+    {
+        shared.send.act(stop);
+    }
+}
+
 /// The menu bar, with the emergency stop at its right end.
 pub fn bar_ui(ui: &mut egui::Ui, shared: &Shared, layout: &Layout, view: &View) {
     egui::MenuBar::new().ui(ui, |ui| {
         menu_ui(ui, shared, "File", Menu::File, view);
         menu_ui(ui, shared, "Session", Menu::Session, view);
         menu_ui(ui, shared, "View", Menu::View, view);
+        menu_ui(ui, shared, "Role", Menu::Role, view);
         panels_ui(ui, shared, layout);
-        closed_ui(ui, shared, layout);
+        if view.role.offers_panels() {
+            closed_ui(ui, shared, layout);
+        }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             force_ui(ui, shared, view.force_enabled);
             let (theme_icon, name) = if view.theme.dark {
@@ -78,7 +90,8 @@ fn menu_ui(ui: &mut egui::Ui, shared: &Shared, title: &str, menu: Menu, view: &V
             if spec.menu != menu {
                 continue;
             }
-            let mut button = egui::Button::new((spec.icon.rich_text(), spec.text));
+            let mut button =
+                egui::Button::new((spec.icon.rich_text(), spec.text)).selected(is_on(action, view));
             if let Some(shortcut) = spec.shortcut {
                 button = button.shortcut_text(ui.ctx().format_shortcut(&shortcut));
             }
@@ -94,6 +107,17 @@ fn menu_ui(ui: &mut egui::Ui, shared: &Shared, title: &str, menu: Menu, view: &V
     });
 }
 
+/// Whether an action is a state that holds now.
+fn is_on(action: Action, view: &View) -> bool {
+    match action {
+        Action::BeInstructor => view.role == Role::Instructor,
+        Action::BeTrainee => view.role == Role::Trainee,
+        Action::BeResearcher => view.role == Role::Researcher,
+        Action::TraineeWindow => view.trainee_window,
+        _ => false,
+    }
+}
+
 /// Whether an action can do something now.
 pub fn is_possible(action: Action, view: &View) -> bool {
     match action {
@@ -103,6 +127,12 @@ pub fn is_possible(action: Action, view: &View) -> bool {
         Action::Record => view.scene.is_some(),
         Action::AllowForce => !view.force_enabled,
         Action::StopForce => view.force_enabled,
+        Action::BeInstructor | Action::BeTrainee | Action::BeResearcher => {
+            view.exercise
+                .as_ref()
+                .is_none_or(|e| matches!(e.shown.phase, Phase::Done(_)))
+                || is_on(action, view)
+        }
         a if a.needs_recording() => view.playback.is_some(),
         _ => true,
     }
@@ -175,9 +205,20 @@ fn panels_ui(ui: &mut egui::Ui, shared: &Shared, layout: &Layout) {
     .on_hover_text("Open, close and pop out panels");
 }
 
-/// Closed panels stay in reach: one click opens each again.
+/// Room that the right end of the bar needs, points.
+const RIGHT_END: f32 = 210.0;
+
+/// Closed panels stay in reach: one click opens each again. Those without room are in the menu.
 fn closed_ui(ui: &mut egui::Ui, shared: &Shared, layout: &Layout) {
     for slot in shared.panels.iter().filter(|p| layout.is_closed(p.key)) {
+        let font = egui::TextStyle::Button.resolve(ui.style());
+        let text = ui
+            .painter()
+            .layout_no_wrap(slot.title.into(), font, egui::Color32::WHITE);
+        let padding = 2.0 * ui.spacing().button_padding.x + ui.spacing().item_spacing.x;
+        if ui.available_width() < text.size().x + padding + 20.0 + RIGHT_END {
+            break;
+        }
         let button = ui
             .add(egui::Button::new((icon::ICON_ADD.rich_text(), slot.title)).frame(false))
             .on_hover_text(slot.tooltip);

@@ -6,6 +6,7 @@ mod menu;
 mod palette;
 mod pump;
 mod status;
+mod trainee;
 mod windows;
 
 use super::bench::{Bench, Source, Wake};
@@ -13,6 +14,7 @@ use super::command::{self, Command, CommandSender};
 use super::dock::{self, Layout, Panels};
 use super::messages::Level;
 use super::panels::{self, PanelContext};
+use super::roles::Role;
 use super::state::{FrameTiming, Parts, View};
 use super::study::SharedStudy;
 use super::theme::Theme;
@@ -27,6 +29,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
 pub struct Shared {
     bench: Mutex<Bench>,
     panels: Panels,
+    /// Those of the trainee's own window.
+    trainee: Panels,
     send: CommandSender,
     chrome: Mutex<Chrome>,
 }
@@ -34,6 +38,8 @@ pub struct Shared {
 /// The part of a [`View`] that the bench knows nothing of.
 #[derive(Clone)]
 struct Chrome {
+    role: Role,
+    trainee_window: bool,
     theme: Theme,
     gl: Option<Arc<eframe::glow::Context>>,
     frame: FrameTiming,
@@ -57,11 +63,19 @@ impl Shared {
         self.chrome.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The state at this instant.
+    /// The state at this instant, as the main window and the panels' own windows show it.
     pub fn view(&self) -> View {
+        let role = self.chrome().role;
+        self.view_of(role)
+    }
+
+    /// The state at this instant, as it is shown to somebody in `role`.
+    pub fn view_of(&self, role: Role) -> View {
         let mut view = View::default();
-        self.bench().fill(&mut view);
+        self.bench().fill(&mut view, role.sees_truth());
         let chrome = self.chrome();
+        view.role = role;
+        view.trainee_window = chrome.trainee_window;
         view.theme = chrome.theme;
         view.gl.clone_from(&chrome.gl);
         view.frame = chrome.frame;
@@ -110,6 +124,10 @@ pub struct Start {
     pub folder: PathBuf,
     /// Dark or light; `None` takes the stored choice, or dark.
     pub dark: Option<bool>,
+    /// Whose workspace; `None` takes the stored one, or a researcher's.
+    pub role: Option<Role>,
+    /// Whether the trainee's own window opens too.
+    pub trainee_window: bool,
     /// A panel to bring to the front.
     pub panel: Option<String>,
     /// What panels take as if they had chosen it in an earlier run: key and text.
@@ -120,7 +138,8 @@ pub struct Start {
 pub struct Workbench {
     shared: Arc<Shared>,
     commands: mpsc::Receiver<Command>,
-    layout: Layout,
+    /// One for each of [`Role::ALL`].
+    layouts: [Layout; Role::ALL.len()],
     dark: bool,
     palette: Option<Palette>,
     toasts: egui_notify::Toasts,
@@ -130,8 +149,13 @@ pub struct Workbench {
     frames_with_scene: u64,
 }
 
-const LAYOUT_KEY: &str = "layout";
+const ROLE_KEY: &str = "role";
 const DARK_KEY: &str = "dark";
+
+/// Where the layout of a role is stored.
+fn layout_key(role: Role) -> String {
+    format!("layout.{}", role.key())
+}
 
 /// Where what a panel chose to remember is stored.
 fn kept_key(panel: &str) -> String {
@@ -164,11 +188,17 @@ impl Workbench {
             }
         }
         let panels = dock::slots(listed);
-        let mut layout = cc
-            .storage
-            .and_then(|s| eframe::get_value::<Layout>(s, LAYOUT_KEY))
-            .filter(|l| l.fits(&panels))
-            .unwrap_or_else(|| Layout::first(&panels));
+        let role = start
+            .role
+            .or_else(|| Role::named(&stored(ROLE_KEY)?))
+            .unwrap_or_default();
+        let mut layouts = Role::ALL.map(|role| {
+            cc.storage
+                .and_then(|s| eframe::get_value::<Layout>(s, &layout_key(role)))
+                .filter(|l| l.fits(&panels))
+                .unwrap_or_else(|| Layout::of(role, &panels))
+        });
+        let layout = &mut layouts[role.index()];
         if let Some(slot) = panels
             .iter()
             .find(|p| Some(p.key) == start.panel.as_deref())
@@ -187,8 +217,11 @@ impl Workbench {
         let shared = Arc::new(Shared {
             bench: Mutex::new(bench),
             panels,
+            trainee: dock::slots(panels::trainee()),
             send,
             chrome: Mutex::new(Chrome {
+                role,
+                trainee_window: start.trainee_window,
                 theme,
                 gl: cc.gl.clone(),
                 frame: FrameTiming::default(),
@@ -207,7 +240,7 @@ impl Workbench {
         Self {
             shared,
             commands,
-            layout,
+            layouts,
             dark,
             palette: None,
             toasts: egui_notify::Toasts::default()
@@ -227,7 +260,17 @@ impl Workbench {
 
     /// Where the panels are.
     pub fn layout(&self) -> &Layout {
-        &self.layout
+        &self.layouts[self.role().index()]
+    }
+
+    fn layout_mut(&mut self) -> &mut Layout {
+        let index = self.role().index();
+        &mut self.layouts[index]
+    }
+
+    /// Whose workspace is shown.
+    pub fn role(&self) -> Role {
+        self.shared.chrome().role
     }
 
     /// Frames drawn since a scene is open.
@@ -275,18 +318,23 @@ impl eframe::App for Workbench {
         }
         let work_ms = frame.info().cpu_usage.map_or(0.0, |s| f64::from(s) * 1e3);
         let timing = self.meter.count(std::time::Instant::now(), work_ms);
+        let layout = &self.layouts[self.role().index()];
         let mut chrome = self.shared.chrome();
         chrome.frame = timing;
         chrome.theme = Theme::of(self.dark);
-        chrome.drawn = !self.layout.is_closed(panels::BACK_VIEW_KEY);
-        chrome.plotted = !self.layout.is_closed(panels::PLOTS_KEY);
-        chrome.partitioned = !self.layout.is_closed(panels::partition::KEY);
+        chrome.drawn = !layout.is_closed(panels::BACK_VIEW_KEY) || chrome.trainee_window;
+        chrome.plotted = !layout.is_closed(panels::PLOTS_KEY);
+        chrome.partitioned = !layout.is_closed(panels::partition::KEY);
         let (drawn, plotted) = (chrome.drawn, chrome.plotted);
-        chrome.windows = self.layout.popped().map(windows::viewport_id).collect();
+        let conceals = chrome.role == Role::Trainee || chrome.trainee_window;
+        let trainee = chrome.trainee_window.then(trainee::viewport_id);
+        let popped = layout.popped().map(windows::viewport_id);
+        chrome.windows = popped.chain(trainee).collect();
         drop(chrome);
         let mut bench = self.shared.bench();
         bench.set_plotted(plotted);
         bench.set_drawn(drawn);
+        bench.conceal(conceals);
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
@@ -302,7 +350,9 @@ impl eframe::App for Workbench {
                     .fill(theme.panel)
                     .inner_margin(egui::Margin::symmetric(8, 4)),
             )
-            .show(ui, |ui| menu::bar_ui(ui, &self.shared, &self.layout, &view));
+            .show(ui, |ui| {
+                menu::bar_ui(ui, &self.shared, self.layout(), &view)
+            });
         egui::Panel::bottom("status")
             .frame(
                 egui::Frame::new()
@@ -314,17 +364,18 @@ impl eframe::App for Workbench {
             ui.painter()
                 .rect_filled(ui.max_rect(), 0.0, theme.background);
             let shared = self.shared.clone();
-            self.layout
+            self.layout_mut()
                 .ui(ui, &shared.panels, &shared.send, &mut |ui, slot| {
                     shared.draw(ui, slot, &view);
                 });
         });
-        windows::show(&ctx, &self.shared, &self.layout);
-        for slot in self.shared.panels.iter() {
+        windows::show(&ctx, &self.shared, self.layout());
+        trainee::show(&ctx, &self.shared, &view);
+        let closed = (self.shared.panels.iter()).filter(|slot| self.layout().is_closed(slot.key));
+        let unseen = self.shared.trainee.iter().filter(|_| !view.trainee_window);
+        for slot in closed.chain(unseen) {
             // A closed panel is drawn nowhere, so its lock is free; were it not, the next frame comes.
-            if self.layout.is_closed(slot.key)
-                && let Ok(mut panel) = slot.panel.try_lock()
-            {
+            if let Ok(mut panel) = slot.panel.try_lock() {
                 panel.release(&view);
             }
         }
@@ -337,7 +388,10 @@ impl eframe::App for Workbench {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        eframe::set_value(storage, LAYOUT_KEY, &self.layout);
+        for role in Role::ALL {
+            eframe::set_value(storage, &layout_key(role), &self.layouts[role.index()]);
+        }
+        storage.set_string(ROLE_KEY, self.role().key().to_owned());
         storage.set_string(DARK_KEY, self.dark.to_string());
         for slot in self.shared.panels.iter() {
             let panel = slot.panel.lock().unwrap_or_else(PoisonError::into_inner);

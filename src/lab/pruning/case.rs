@@ -487,5 +487,6 @@ fn header(scene: &Scene) -> Header {
         started_utc: session::utc_now(),
         participant: None,
         edit: 0,
+        sealed: false,
     }
 }

@@ -460,6 +460,7 @@ impl<'a> Bench<'a> {
             started_utc: session::utc_now(),
             participant: None,
             edit: self.edit,
+            sealed: false,
         }
     }
 

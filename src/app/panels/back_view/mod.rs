@@ -27,6 +27,7 @@ pub mod model;
 pub mod options;
 mod overlay;
 pub mod palpate;
+mod places;
 mod ramp;
 mod skin;
 mod stage;
@@ -233,6 +234,7 @@ impl Panel for BackView {
                 focus_ring: response.has_focus() && !self.focus_by_pointer,
                 options: self.options,
                 toolbar_end: self.toolbar_end,
+                exercise: cx.view.exercise.as_ref(),
             },
         );
         self.report(cx.view);

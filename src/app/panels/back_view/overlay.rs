@@ -4,9 +4,11 @@ use super::labels::{self, Wish};
 use super::model::{self, Finger};
 use super::options::Options;
 use super::palpate::Palpation;
+use super::places;
 use super::skin::DrawnSkin;
 use crate::app::camera::Camera;
 use crate::app::render::pixels;
+use crate::app::state::ExerciseView;
 use crate::app::stereo::Pane;
 use crate::app::theme::Theme;
 use crate::geom::Vec3;
@@ -32,6 +34,8 @@ pub struct Shown<'a> {
     pub options: Options,
     /// Where the toolbar ends on the right.
     pub toolbar_end: f32,
+    /// The exercise that runs.
+    pub exercise: Option<&'a ExerciseView>,
 }
 
 /// How to press, in a line: the longest that fits is shown.
@@ -67,6 +71,9 @@ pub fn show(ui: &mut egui::Ui, rect: egui::Rect, shown: &Shown<'_>) {
         if shown.options.footprints {
             footprints(&painter, place, shown, &pane.camera);
         }
+        if let Some(exercise) = shown.exercise {
+            places::show(&painter, place, shown, &pane.camera, exercise);
+        }
         for finger in shown.fingers {
             finger_marks(&painter, place, shown, &pane.camera, finger);
         }
@@ -85,7 +92,7 @@ pub fn show(ui: &mut egui::Ui, rect: egui::Rect, shown: &Shown<'_>) {
 }
 
 /// Where a point appears in the window.
-fn on_screen(rect: egui::Rect, camera: &Camera, point_mm: Vec3) -> Option<egui::Pos2> {
+pub(super) fn on_screen(rect: egui::Rect, camera: &Camera, point_mm: Vec3) -> Option<egui::Pos2> {
     let p = camera.project(point_mm, pixels::delta(rect.size()))?;
     Some(rect.min + pixels::pos(p).to_vec2())
 }
@@ -204,7 +211,12 @@ fn footprints(painter: &egui::Painter, rect: egui::Rect, shown: &Shown<'_>, came
 }
 
 /// Text on a small plate, its top left at `at`.
-fn label(painter: &egui::Painter, theme: &Theme, at: egui::Pos2, text: Arc<egui::Galley>) {
+pub(super) fn label(
+    painter: &egui::Painter,
+    theme: &Theme,
+    at: egui::Pos2,
+    text: Arc<egui::Galley>,
+) {
     let place = egui::Rect::from_min_size(at, text.size());
     painter.rect_filled(
         place.expand2(vec2(4.0, 1.0)),

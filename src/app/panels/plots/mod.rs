@@ -44,6 +44,15 @@ impl Panel for Plots {
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, cx: &PanelContext<'_>) {
+        if cx.view.blind {
+            empty_ui(
+                ui,
+                icon::ICON_VISIBILITY_OFF,
+                "Hidden while the exercise runs",
+                "Force and depth would tell where to look",
+            );
+            return;
+        }
         let shared = &cx.view.history;
         if !self.shown.as_ref().is_some_and(|s| Arc::ptr_eq(s, shared)) {
             self.shown = Some(shared.clone());
