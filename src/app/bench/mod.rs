@@ -633,6 +633,10 @@ impl Bench {
             }
         }
         self.fill_exercise(view, sees_truth);
+        if view.blind {
+            // The text of the file has what is hidden.
+            view.saved = None;
+        }
     }
 
     /// How many messages were told so far.

@@ -16,6 +16,7 @@ use crate::app::dialogs;
 use crate::app::dock::Home;
 use crate::app::editor::worker::Worker;
 use crate::app::panels::partition::wake;
+use crate::app::roles::Role;
 use crate::app::state::{PartCost, View};
 use crate::app::widgets::{icon_button, named};
 use crate::scenario::Item;
@@ -73,7 +74,7 @@ impl Default for Held {
 
 /// Whether what a scenario hides may be told here.
 fn tells(view: &View) -> bool {
-    !view.blind
+    !view.blind && view.role != Role::Trainee
 }
 
 impl Panel for LibraryPanel {

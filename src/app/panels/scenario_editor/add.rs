@@ -127,8 +127,8 @@ pub fn show(ui: &mut egui::Ui, cx: &PanelContext<'_>, state: &mut State) {
             let targets = Target::all().iter();
             let targets = targets.map(|t| (t.title().to_owned(), *t == site.target, *t));
             let why = "What of the vertebra";
-            let now = site.target.title();
-            if let Some(target) = choose(ui, "Target to add at", why, now, 110.0, targets) {
+            let now = site.target.name();
+            if let Some(target) = choose(ui, "Target to add at", why, now, 84.0, targets) {
                 site.target = target;
                 if site.side == Side::Middle && target != Target::Spinous {
                     site.side = Side::Right;

@@ -155,7 +155,8 @@ fn outline(
     patch: &Patch,
     chosen: bool,
 ) {
-    let at = inks.at(patch.spot.at_mm);
+    // A rim lies on the colour beside it, not on that of the middle.
+    let at = inks.at(patch.spot.point(1.0, 0.0));
     let ring = |q: f64| {
         (0..OUTLINE)
             .map(|i| lay.at(patch.spot.point(q, TAU * i as f64 / OUTLINE as f64)))

@@ -78,7 +78,10 @@ impl State {
             canvas: Canvas::default(),
             field: Field::default(),
             show: Show::default(),
-            section: Section::default(),
+            section: Section {
+                on: true,
+                ..Section::default()
+            },
             add: add::Add::default(),
             draw: draw::Draw::default(),
             typed: None,
@@ -95,6 +98,11 @@ impl State {
             self.editing.refuse(fault);
         }
     }
+}
+
+/// What is chosen when a scene is opened.
+fn first(doc: &Doc) -> Option<usize> {
+    (!doc.list.is_empty()).then_some(0)
 }
 
 /// Adds one of the chosen kind and chooses it.
@@ -164,6 +172,7 @@ impl Panel for ScenarioEditorPanel {
             .get_or_insert_with(|| Box::new(State::new(&scene.scenario)));
         if state.editing.follow(cx) {
             state.ground = Ground::new(&scene.scenario);
+            state.editing.selected = first(state.editing.doc());
             state.field.clear();
             (state.typed, state.candidates, state.constants) = (None, None, None);
             state.diff.opened(&scene.scenario.source);
@@ -201,7 +210,8 @@ fn side(ui: &mut egui::Ui, cx: &PanelContext<'_>, state: &mut State, editable: b
     let theme = &cx.view.theme;
     ui.spacing_mut().item_spacing.y = 4.0;
     state.editing.fault_ui(ui, theme);
-    fold(ui, "Add", true, |ui| {
+    let empty = state.editing.doc().list.is_empty();
+    fold(ui, "Add", empty, |ui| {
         ui.add_enabled_ui(editable, |ui| add::show(ui, cx, state));
     });
     fold(ui, "Dysfunctions", true, |ui| {
