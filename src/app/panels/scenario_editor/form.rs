@@ -97,11 +97,7 @@ pub fn number(
 
 /// A button that gives a value back to the kind; disabled where it is the kind's already.
 pub fn as_kind(ui: &mut egui::Ui, what: &str, is_default: bool) -> bool {
-    let text = if is_default {
-        "as the kind says"
-    } else {
-        "stated"
-    };
+    let text = if is_default { "by kind" } else { "stated" };
     let button = ui
         .add_enabled(
             !is_default,
