@@ -126,11 +126,11 @@ fn step_button(
 ) -> bool {
     let theme = &cx.view.theme;
     let words = egui::RichText::new(text).strong().color(theme.on_accent);
-    let button = egui::Button::new(words)
-        .fill(theme.accent)
-        .min_size(egui::vec2(ui.available_width().min(280.0), 32.0));
+    let size = egui::vec2(ui.available_width().min(280.0), 32.0);
+    let button = egui::Button::new(words).fill(theme.accent);
     let response = ui
-        .add_enabled(enabled, button)
+        .add_enabled_ui(enabled, |ui| ui.add_sized(size, button))
+        .inner
         .on_hover_text(format!("{tooltip} (Space, Page Down or a foot switch)"));
     crate::app::widgets::named(ui, &response, text);
     response.clicked() || enabled && pressed(ui, &ON)
