@@ -153,6 +153,17 @@ fn an_exercise_is_begun_palpated_answered_told_and_kept() {
         assert!(report.is_bit_exact(), "{:?}", report.first_difference);
         assert!(report.ticks > 300, "{report:?}");
     }
+    click(&mut harness, "Write score sheet");
+    wait_for(&mut harness, "the sheet", |w| {
+        said(w).iter().any(|text| text.contains("score sheet"))
+    });
+    let folder = view(harness.state()).exercise.unwrap().folder;
+    let pages = std::fs::read_dir(folder).unwrap().flatten();
+    let html = pages
+        .map(|e| e.path())
+        .find(|p| p.extension().is_some_and(|e| e == "html"));
+    let page = std::fs::read_to_string(html.expect("a page")).unwrap();
+    assert!(page.contains("T5"), "{page}");
     click(&mut harness, "Close exercise");
     wait_for(&mut harness, "the way back", |w| view(w).exercise.is_none());
     harness.get_by_label("Begin");

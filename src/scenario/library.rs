@@ -9,7 +9,7 @@ pub struct Example {
     pub text: &'static str,
 }
 
-const EXAMPLES: [Example; 15] = [
+const EXAMPLES: [Example; 14] = [
     Example {
         file: "FIRST.toml",
         text: include_str!("../../assets/scenarios/FIRST.toml"),
@@ -17,10 +17,6 @@ const EXAMPLES: [Example; 15] = [
     Example {
         file: "t5_right.toml",
         text: include_str!("../../assets/scenarios/t5_right.toml"),
-    },
-    Example {
-        file: "find_one_of_twelve.toml",
-        text: include_str!("../../assets/scenarios/find_one_of_twelve.toml"),
     },
     Example {
         file: "compare_two.toml",

@@ -13,7 +13,9 @@ use crate::app::state::{BuildStatus, ExerciseView, View};
 use crate::scenario::{BuildError, Scenario, Scene, Use};
 use crate::servo::{FingerRecord, MAX_FINGERS, TickRecord};
 use crate::session::{self, Header};
+use crate::training::analysis::Options;
 use crate::training::journal::{self, Changes, Header as JournalHeader};
+use crate::training::sheet::{self, Done};
 use crate::training::sitting::{Begun, Sitting};
 use crate::training::trial::places_mm;
 use crate::training::{Felt, Ground, Input, Phase, Run, Seed};
@@ -33,6 +35,8 @@ pub enum Wish {
     Resume(PathBuf),
     /// Something in the exercise that runs.
     Do(Input),
+    /// Write the score sheet beside the answers.
+    Sheet,
     /// Put the exercise away.
     Close,
 }
@@ -302,6 +306,7 @@ impl Bench {
             Wish::Begin { participant } => self.begin_exercise(&participant),
             Wish::Resume(folder) => self.resume_exercise(&folder),
             Wish::Do(input) => self.go_on(input),
+            Wish::Sheet => self.write_sheet(),
             Wish::Close => {
                 self.close_exercise();
                 Ok(())
@@ -411,6 +416,50 @@ impl Bench {
             exercise.hidden = None;
         }
         Ok(())
+    }
+
+    fn write_sheet(&mut self) -> Result<(), String> {
+        let Some(exercise) = &self.exercise else {
+            return Err("there is no exercise to write a sheet of".into());
+        };
+        let folder = exercise.folder.clone();
+        let target = exercise.run().estimate().map(|(e, _)| e.target);
+        let work = move |_: super::job::Progress<'_>| {
+            let options = Options {
+                target,
+                ..Options::default()
+            };
+            let read = journal::read(&folder).map_err(|e| e.to_string())?;
+            let written = sheet::write(&folder, &[Done::new(read, &options)]);
+            let files = written.map_err(|e| e.to_string())?;
+            let page = files.into_iter().next();
+            page.ok_or_else(|| "the score sheet is empty".to_owned())
+        };
+        let job = Job::start(
+            "score sheet",
+            BuildStatus::default(),
+            self.wake.clone(),
+            work,
+        );
+        self.sheet = Some(job.map_err(|e| format!("the score sheet cannot be written: {e}"))?);
+        Ok(())
+    }
+
+    /// Tells where a score sheet was written.
+    pub(super) fn poll_sheet(&mut self) -> bool {
+        let lost = || Err("the score sheet could not be written".to_owned());
+        let Some(written) = self.sheet.as_ref().and_then(|job| job.poll(lost)) else {
+            return false;
+        };
+        self.sheet = None;
+        match written {
+            Ok(page) => {
+                let text = format!("The score sheet is written: {}", page.display());
+                self.tell(Level::Info, text);
+            }
+            Err(e) => self.tell(Level::Error, e),
+        }
+        true
     }
 
     pub(super) fn close_exercise(&mut self) {

@@ -29,6 +29,7 @@ use demo::Demo;
 use document::{Document, Saving};
 use edit::Edits;
 use exercise::Exercising;
+use job::Job;
 use live::Live;
 use recording::{Done, Recordings};
 use replay::{Opening, Replay};
@@ -87,6 +88,8 @@ pub struct Bench {
     /// Whether that is kept from everyone at the window.
     conceals: bool,
     exercise: Option<Exercising>,
+    /// A score sheet being written: the page.
+    sheet: Option<Job<Result<PathBuf, String>>>,
     generation: u64,
     build: Option<Build>,
     /// The file that the scene being built comes from.
@@ -126,6 +129,7 @@ impl Bench {
             blind: None,
             conceals: false,
             exercise: None,
+            sheet: None,
             generation: 0,
             build: None,
             building_from: None,
@@ -241,6 +245,7 @@ impl Bench {
         changed |= self.poll_live();
         changed |= self.poll_edits();
         changed |= self.poll_exercise();
+        changed |= self.poll_sheet();
         changed |= self.poll_recorder();
         if let Some(replay) = &mut self.replay {
             changed |= replay.playback().advance(dt_s);

@@ -383,7 +383,8 @@ fn row_ui(ui: &mut egui::Ui, shown: &Shown<'_>, index: usize) {
         None => RichText::new(format!("– {unit}")).monospace().weak(),
     };
     cell(ui, 1, number(touching.map(|f| f.depth_mm), 1, "mm"));
-    let force = number(touching.map(|f| f.force_n.length()), 1, "N");
+    let force = touching.filter(|_| !shown.blind);
+    let force = number(force.map(|f| f.force_n.length()), 1, "N");
     if touching.is_some_and(|f| f.limited) {
         cell(ui, 2, force.color(shown.theme.warning))
             .on_hover_text("The device's rated force is reached: the skin would push harder");

@@ -161,6 +161,13 @@ fn done_ui(ui: &mut egui::Ui, cx: &PanelContext<'_>, exercise: &ExerciseView, wh
     ui.label(RichText::new(format!("Kept in {folder}")).weak());
     ui.add_space(6.0);
     ui.horizontal(|ui| {
+        let sheet = ui
+            .add_enabled(n > 0, egui::Button::new("Write score sheet"))
+            .on_hover_text("Write a page to print and tables beside the answers");
+        named(ui, &sheet, "Write score sheet");
+        if sheet.clicked() {
+            cx.send.send(Command::Exercise(Wish::Sheet));
+        }
         let close = ui
             .button("Close")
             .on_hover_text("Put the exercise away; it can be begun anew");
