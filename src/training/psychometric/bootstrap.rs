@@ -6,8 +6,12 @@ use crate::training::random::Random;
 /// A parametric bootstrap: samples are drawn from the fitted function at the strengths that were given, and fitted again
 /// (Efron & Tibshirani 1993; Wichmann & Hill 2001b).
 ///
-/// Ends are percentiles of the samples. In 1000 runs of 200 trials of a 1-up 3-down staircase they held the true threshold in
-/// 94.6 %; moved for bias and acceleration (BCa: Efron 1987) in 86.5 %, since a lapse rate at its bound makes both wrong.
+/// The interval of a threshold holds all values under which the answers are not much less likely than at the best; how much
+/// is enough is taken from the samples: as much as the fitted value itself falls short in all but the stated share of them.
+/// In 1500 runs of 200 trials of a 1-up 3-down staircase by an observer who lapses in 2 %, such intervals held the true
+/// threshold in 95.8 % (with the χ² distribution in place of the samples 95.5 %), of constant stimuli in 97.8 %. Percentiles of
+/// the samples' thresholds held it in 93.9 %, those moved for bias and acceleration (BCa: Efron 1987) in 86.5 % of 1000: where
+/// no lapse is seen the samples have none, and their thresholds lie too close together. The slope has percentiles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bootstrap {
     /// How many samples.
@@ -48,14 +52,11 @@ impl Bootstrap {
         let mut random = Random::new(self.seed);
         let probabilities: Vec<f64> = points.iter().map(|p| fit.share(model, p.x)).collect();
         let mut sample = points.to_vec();
-        let n_figures = shares.len() + 1;
-        let figures = |fit: &Fit| {
-            let thresholds = shares.iter().map(|&s| libm::log(fit.threshold(model, s)));
-            thresholds
-                .chain([libm::log(fit.beta())])
-                .collect::<Vec<f64>>()
-        };
-        let mut found = vec![Vec::with_capacity(self.samples as usize); n_figures];
+        let here: Vec<f64> = (shares.iter())
+            .map(|&share| libm::log(fit.threshold(model, share)))
+            .collect();
+        let mut short = vec![Vec::with_capacity(self.samples as usize); shares.len()];
+        let mut slopes = Vec::with_capacity(self.samples as usize);
         let mut as_bad = 0_u32;
         for _ in 0..self.samples {
             for (point, &p) in sample.iter_mut().zip(&probabilities) {
@@ -65,30 +66,54 @@ impl Bootstrap {
                 continue;
             };
             as_bad += u32::from(again.deviance >= fit.deviance);
-            for (all, figure) in found.iter_mut().zip(figures(&again)) {
-                all.push(figure);
+            slopes.push(again.beta());
+            for ((short, &share), &at) in short.iter_mut().zip(shares).zip(&here) {
+                let there = model.profile(&sample, share, at, fit)?;
+                short.push((again.log_likelihood - there).max(0.0));
             }
         }
-        let n = found.first().map_or(0, Vec::len);
-        if n == 0 {
+        if slopes.is_empty() {
             return None;
         }
-        let mut intervals: Vec<[f64; 2]> = (found.iter_mut())
-            .map(|all| self.interval(all).map(libm::exp))
-            .collect();
-        let beta = intervals.pop()?;
+        let level = self.level.clamp(0.0, 0.9999);
+        let mut thresholds = Vec::with_capacity(shares.len());
+        for ((short, &share), &at) in short.iter_mut().zip(shares).zip(&here) {
+            short.sort_by(f64::total_cmp);
+            let enough = at_share(short, level);
+            let is_in = |ln_x: f64| {
+                let there = model.profile(points, share, ln_x, fit);
+                there.is_some_and(|there| fit.log_likelihood - there <= enough)
+            };
+            thresholds.push([-FARTHEST, FARTHEST].map(|far| libm::exp(end(at, at + far, is_in))));
+        }
+        slopes.sort_by(f64::total_cmp);
+        let tail = 0.5 * (1.0 - level);
         Some(Told {
-            thresholds: intervals,
-            beta,
-            fit_share: f64::from(as_bad) / n as f64,
+            thresholds,
+            beta: [tail, 1.0 - tail].map(|share| at_share(&slopes, share)),
+            fit_share: f64::from(as_bad) / slopes.len() as f64,
         })
     }
+}
 
-    fn interval(&self, all: &mut [f64]) -> [f64; 2] {
-        all.sort_by(f64::total_cmp);
-        let tail = 0.5 * (1.0 - self.level.clamp(0.0, 0.9999));
-        [tail, 1.0 - tail].map(|share| at_share(all, share))
+/// Farthest that an end is looked for from the threshold, as a logarithm: a factor of 7.4. Answers that leave more open tell
+/// nothing.
+const FARTHEST: f64 = 2.0;
+
+/// Where `is_in` ceases to hold on the way from `inside` to `outside`, by halving; `outside` where it does not cease.
+fn end(mut inside: f64, mut outside: f64, is_in: impl Fn(f64) -> bool) -> f64 {
+    if is_in(outside) {
+        return outside;
     }
+    for _ in 0..24 {
+        let middle = 0.5 * (inside + outside);
+        if is_in(middle) {
+            inside = middle;
+        } else {
+            outside = middle;
+        }
+    }
+    0.5 * (inside + outside)
 }
 
 /// The value below which lies a share of sorted values; between two of them in proportion.

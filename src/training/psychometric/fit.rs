@@ -104,6 +104,25 @@ impl Model {
         Some(data.climb(self, &bounds, &start))
     }
 
+    /// The logarithm of the likelihood where the threshold at `share` has the logarithm `ln_x`, and slope and lapse rate are
+    /// those under which the answers are then likeliest.
+    pub(super) fn profile(
+        &self,
+        points: &[Point],
+        share: f64,
+        ln_x: f64,
+        near: &Fit,
+    ) -> Option<f64> {
+        let mut data = Data::new(points)?;
+        data.anchor = self
+            .shape
+            .ln_x_at((share - self.chance) / (1.0 - self.chance), 0.0, 1.0);
+        let [_, beta, lapse] = data.bounds(self);
+        let bounds = [[ln_x; 2], beta, lapse];
+        let start = data.near_start(self, &bounds, near);
+        Some(data.climb(self, &bounds, &[start]).log_likelihood)
+    }
+
     /// The same from a start that is near already, for one of many samples.
     pub(super) fn refit(&self, points: &[Point], near: &Fit) -> Option<Fit> {
         let data = Data::new(points)?;
@@ -169,6 +188,8 @@ struct Data {
     ln_x: Vec<f64>,
     n: Vec<f64>,
     right: Vec<f64>,
+    /// What β (ln x − t) + anchor is at t, the first parameter: 0 where t is ln α, else t is the threshold at a share.
+    anchor: f64,
 }
 
 impl Data {
@@ -185,6 +206,7 @@ impl Data {
             ln_x: used().map(|p| ln(p.x)).collect(),
             n: used().map(|p| f64::from(p.n)).collect(),
             right: used().map(|p| f64::from(p.right.min(p.n))).collect(),
+            anchor: 0.0,
         })
     }
 
@@ -201,9 +223,10 @@ impl Data {
     }
 
     fn log_likelihood(&self, model: &Model, at: [f64; 3]) -> f64 {
+        let shift = self.anchor / libm::exp(at[1]);
         let mut sum = 0.0;
         for ((&ln_x, &n), &right) in self.ln_x.iter().zip(&self.n).zip(&self.right) {
-            let p = within(model.share(ln_x, at));
+            let p = within(model.share(ln_x, [at[0] - shift, at[1], at[2]]));
             sum += right * libm::log(p) + (n - right) * libm::log(1.0 - p);
         }
         sum
@@ -234,11 +257,15 @@ impl Data {
 
     /// The best of a place that is near already and a few around it.
     fn near_start(&self, model: &Model, bounds: &[[f64; 2]; 3], near: &Fit) -> [f64; 3] {
-        let mut best = (self.log_likelihood(model, near.at), near.at);
-        for steps in [-2.0, -1.0, 0.0, 1.0, 2.0] {
+        let [low, high] = bounds[0];
+        let inside = |t: f64| t.clamp(low, high);
+        let first = [inside(near.at[0]), near.at[1], near.at[2]];
+        let mut best = (self.log_likelihood(model, first), first);
+        let steps = if low < high { 2 } else { 0 };
+        for step in -steps..=steps {
             for j in 0..3 {
                 let at = [
-                    near.at[0] + 0.3 * steps,
+                    inside(near.at[0] + 0.3 * f64::from(step)),
                     between(bounds[1], j, 3),
                     between(bounds[2], 1, 4),
                 ];
@@ -328,7 +355,7 @@ impl Data {
         for ((&ln_x, &n), &right) in self.ln_x.iter().zip(&self.n).zip(&self.right) {
             let z = beta * (ln_x - at[0]);
             let (f, slope) = if z.is_finite() {
-                model.shape.share_and_slope(z)
+                model.shape.share_and_slope(z + self.anchor)
             } else {
                 (0.0, 0.0)
             };

@@ -46,8 +46,8 @@ pub fn page(done: &[Done]) -> Result<String> {
                 main { @for part in &parts { (part) } }
                 footer {
                     "Thresholds are the strengths at which the stated share of answers is right for one who never lapses, from a \
-                     function fitted by maximum likelihood with the guess rate fixed at chance; their intervals are 95 % \
-                     percentiles of a parametric bootstrap. A compliance 14 % lower is a stiffness 16.3 % higher."
+                     function fitted by maximum likelihood with the guess rate fixed at chance; their 95 % intervals \
+                     are of likelihood ratios, judged by a parametric bootstrap. A compliance 14 % lower is a stiffness 16.3 % higher."
                 }
             }
         }
