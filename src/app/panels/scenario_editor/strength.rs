@@ -99,11 +99,7 @@ fn change(
         "Change of stiffness at the centre, and as what it is stated",
         |ui| {
             for (choice, text, why) in [
-                (
-                    As::Kind,
-                    "As the kind says",
-                    "What the kind says of this severity",
-                ),
+                (As::Kind, "By kind", "What the kind says of this severity"),
                 (
                     As::Compliance,
                     "Compliance",
