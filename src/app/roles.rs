@@ -75,7 +75,9 @@ impl Role {
             Self::Researcher => None,
             Self::Instructor => Some(&[
                 (BACK_VIEW_KEY, Home::Main),
+                (panels::scenario_editor::KEY, Home::Main),
                 (panels::exercise::KEY, Home::RightTop),
+                (panels::library::KEY, Home::RightTop),
                 (PLOTS_KEY, Home::RightBottom),
             ]),
             Self::Trainee => Some(&[

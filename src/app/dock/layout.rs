@@ -229,23 +229,29 @@ mod tests {
     }
 
     #[test]
-    fn a_trainee_has_the_back_and_the_exercise_and_an_instructor_the_plots_beside_them() {
+    fn a_trainee_has_the_back_and_the_exercise_and_an_instructor_what_makes_and_watches_it() {
+        use crate::app::panels::{BACK_VIEW_KEY, PLOTS_KEY, exercise, library, scenario_editor};
         let panels = panels();
         let open = |role: Role| {
             let layout = Layout::of(role, &panels);
             assert!(layout.fits(&panels));
             let open = panels.iter().filter(|p| !layout.is_closed(p.key));
-            let open: Vec<_> = open.map(|p| p.key).collect();
-            assert!(open.iter().all(|key| layout.is_shown(key)), "{open:?}");
-            open
+            let shown = panels.iter().filter(|p| layout.is_shown(p.key));
+            let keys = |of: Vec<&PanelSlot>| {
+                let mut keys: Vec<_> = of.iter().map(|p| p.key).collect();
+                keys.sort_unstable();
+                keys
+            };
+            (keys(open.collect()), keys(shown.collect()))
         };
-        let (back, exercise) = (
-            crate::app::panels::BACK_VIEW_KEY,
-            crate::app::panels::exercise::KEY,
-        );
-        assert_eq!(open(Role::Trainee), [back, exercise]);
-        let plots = crate::app::panels::PLOTS_KEY;
-        assert_eq!(open(Role::Instructor), [back, plots, exercise]);
+        let (trainee, shown) = open(Role::Trainee);
+        assert_eq!(trainee, [BACK_VIEW_KEY, exercise::KEY]);
+        assert_eq!(shown, trainee);
+        let (instructor, shown) = open(Role::Instructor);
+        assert_eq!(shown, [BACK_VIEW_KEY, exercise::KEY, PLOTS_KEY]);
+        for key in [scenario_editor::KEY, library::KEY] {
+            assert!(instructor.contains(&key), "{key}");
+        }
     }
 
     #[test]
