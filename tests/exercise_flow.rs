@@ -8,8 +8,13 @@
 
 mod support;
 
+#[path = "support/gl.rs"]
+mod gl;
+
 use dorsum::app::bench::{Source, Wish};
-use dorsum::app::command::{Action, Command};
+use dorsum::app::command::{self, Action, Command};
+use dorsum::app::dock;
+use dorsum::app::panels::{self, BACK_VIEW_KEY, PanelContext};
 use dorsum::app::roles::Role;
 use dorsum::app::shell::Start;
 use dorsum::app::state::View;
@@ -19,7 +24,11 @@ use dorsum::servo::{FingerRecord, Rig};
 use dorsum::session::{Session, Strictness, check};
 use dorsum::training::{Input, Phase};
 use egui_kittest::kittest::{NodeT, Queryable};
+use egui_kittest::{Harness, TestRenderer};
+use gl::{Api, Image, OffScreen, Painter};
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::sync::Arc;
 use support::{Window, said, view, wait_for, workbench_as};
 
@@ -357,6 +366,60 @@ fn files(folder: &Path) -> Vec<String> {
     out
 }
 
+/// Hands egui's textures to the painter on the off-screen window.
+struct Textures(Rc<RefCell<Painter>>);
+
+impl TestRenderer for Textures {
+    fn handle_delta(&mut self, delta: &mut egui::TexturesDelta) {
+        self.0.borrow_mut().textures(delta);
+    }
+}
+
+/// The trainee's panels as `view` lets them be drawn, once nothing of the picture changes any more; `None` without OpenGL.
+fn picture(view: &View) -> Option<Image> {
+    let size = [900_u32, 600];
+    let screen = Rc::new(OffScreen::or_skip(Api::Core33, size)?);
+    let painter = Rc::new(RefCell::new(Painter::new(&screen)));
+    let mut view = view.clone();
+    view.gl = Some(screen.gl.clone());
+    let theme = view.theme;
+    let slots = dock::slots(panels::trainee());
+    let (send, _commands) = command::queue(Arc::new(|| {}));
+    let mut harness = Harness::builder()
+        .with_size([size[0] as f32, size[1] as f32])
+        .with_context_setup(move |ctx| {
+            egui_material_icons::initialize(ctx);
+            theme.apply(ctx);
+        })
+        .renderer(Textures(painter.clone()))
+        .build_ui(move |ui| {
+            let cx = PanelContext {
+                view: &view,
+                send: &send,
+            };
+            for slot in slots.iter().filter(|s| s.key != BACK_VIEW_KEY) {
+                egui::Panel::right("side")
+                    .exact_size(300.0)
+                    .show(ui, |ui| dock::draw(ui, slot, &cx));
+            }
+            for slot in slots.iter().filter(|s| s.key == BACK_VIEW_KEY) {
+                egui::CentralPanel::no_frame().show(ui, |ui| dock::draw(ui, slot, &cx));
+            }
+        });
+    let mut last: Option<Image> = None;
+    for _ in 0..100 {
+        harness.run_steps(2);
+        let shapes = harness.output().shapes.clone();
+        let image = painter.borrow_mut().paint(&screen, &harness.ctx, shapes);
+        if last.as_ref() == Some(&image) {
+            return last;
+        }
+        last = Some(image);
+        std::thread::sleep(std::time::Duration::from_millis(300));
+    }
+    panic!("the picture does not come to rest");
+}
+
 #[test]
 fn before_the_answer_nothing_tells_where_the_hidden_place_is() {
     let run = |level: &str| {
@@ -373,17 +436,23 @@ fn before_the_answer_nothing_tells_where_the_hidden_place_is() {
         harness.run_steps(3);
         trees.push(tree(&harness));
         views.push(seen(&view(harness.state())));
+        let shared = harness.state().shared().clone();
+        let pictures = [Role::Trainee, Role::Instructor].map(|r| picture(&shared.view_of(r)));
         let files = files(folder.path());
         assert!(
             files.iter().any(|f| f.starts_with("trial_001.mcap")),
             "{files:?}"
         );
-        (trees, views, files)
+        (trees, views, files, pictures)
     };
     let (a, b) = (run("T4"), run("T9"));
     assert_eq!(a.0, b.0);
     assert_eq!(a.1, b.1);
     assert_eq!(a.2, b.2);
+    let ([a_trainee, a_instructor], [b_trainee, b_instructor]) = (&a.3, &b.3);
+    assert!(a_trainee == b_trainee, "a pixel tells it");
+    // Were it told, it would be seen.
+    assert!(a_instructor.is_none() || a_instructor != b_instructor);
     assert!(!a.1[1].contains("T4") && !a.0[2].join("\n").contains("T4"));
 }
 
