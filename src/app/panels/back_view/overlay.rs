@@ -382,9 +382,10 @@ fn row_ui(ui: &mut egui::Ui, shown: &Shown<'_>, index: usize) {
         Some(v) => RichText::new(format!("{v:.digits$} {unit}")).monospace(),
         None => RichText::new(format!("– {unit}")).monospace().weak(),
     };
-    cell(ui, 1, number(touching.map(|f| f.depth_mm), 1, "mm"));
-    let force = touching.filter(|_| !shown.blind);
-    let force = number(force.map(|f| f.force_n.length()), 1, "N");
+    // At the same wish of a hand that gives way, the depth alone would tell the stiffness.
+    let told = touching.filter(|_| !shown.blind);
+    cell(ui, 1, number(told.map(|f| f.depth_mm), 1, "mm"));
+    let force = number(told.map(|f| f.force_n.length()), 1, "N");
     if touching.is_some_and(|f| f.limited) {
         cell(ui, 2, force.color(shown.theme.warning))
             .on_hover_text("The device's rated force is reached: the skin would push harder");
