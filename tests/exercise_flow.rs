@@ -202,6 +202,40 @@ fn one_that_was_broken_off_goes_on_where_it_was() {
 }
 
 #[test]
+fn a_trial_after_an_edit_of_the_scene_repeats_bit_by_bit_and_holds_no_text_of_the_edit() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = format!("{SCENE}{LOCATE}");
+    let mut harness = open(&text, folder.path(), Role::Instructor);
+    let ctx = harness.ctx.clone();
+    let source = text.replace("0.5", "0.55");
+    harness
+        .state_mut()
+        .apply(&ctx, Command::EditScene { source });
+    wait_for(&mut harness, "the edit", |w| {
+        view(w).live.edit == 1 && view(w).live.fade >= 1.0
+    });
+    std::thread::sleep(std::time::Duration::from_millis(100));
+    harness.run_steps(2);
+    begin(&mut harness);
+    start(&mut harness);
+    let file = view(harness.state()).recorder.recording.unwrap();
+    let site = scenario::sites("T5 both sides").unwrap()[0];
+    press(&mut harness, site.at_mm());
+    click(&mut harness, &site.to_string());
+    wait_for(&mut harness, "the end of the recording", |w| {
+        view(w).recorder.recording.is_none()
+    });
+    let session = Session::open(&file).unwrap();
+    let header = session.header();
+    assert!(session.load(Strictness::Strict).unwrap().edits.is_empty());
+    let felt = Scenario::parse(&header.scenario_toml, "recorded", None).unwrap();
+    let scene = scenario::build(Arc::new(felt), Use::default(), &mut |_, _| true).unwrap();
+    let rig = Rig::new(Box::new(scene.touch), header.limits());
+    let report = check(&session, rig, Strictness::Strict).unwrap();
+    assert!(report.is_bit_exact(), "{:?}", report.first_difference);
+}
+
+#[test]
 fn a_pause_is_neither_felt_nor_recorded() {
     let folder = tempfile::tempdir().unwrap();
     let text = format!("{SCENE}{LOCATE}");

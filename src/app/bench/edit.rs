@@ -56,6 +56,14 @@ impl Edits {
         &self.settled
     }
 
+    /// Whether no edit is asked for, being built or on its way to the finger.
+    pub fn is_at_rest(&self) -> bool {
+        self.wanted.is_none()
+            && self.build.is_none()
+            && self.ready.is_none()
+            && self.under_way.is_none()
+    }
+
     /// Another scene is felt from now on: edits of the one before are forgotten.
     pub fn begin(&mut self, scene: &Scene) {
         let number = match &self.under_way {

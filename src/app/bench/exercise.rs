@@ -258,17 +258,19 @@ impl Exercising {
                 recordings.wind(recorder, Tape::Hold(false)).map_err(told)
             }
             (None, Some(hidden)) => {
+                // Ticks go on naming the newest edit: header and ticks must agree, and no text of an edit is written.
+                let edit = live.snapshot().edit;
                 let source = hidden.scenario.source.as_str();
                 let truth = Header {
                     participant: self.sitting.header().participant.clone(),
-                    ..recording::header(hidden, live, &(0, source.into()))
+                    ..recording::header(hidden, live, &(edit, source.into()))
                 };
                 let source = self.blind.scenario.source.as_str();
                 let seen = Header {
                     participant: truth.participant.clone(),
                     started_utc: truth.started_utc.clone(),
                     sealed: true,
-                    ..recording::header(&self.blind, live, &(0, source.into()))
+                    ..recording::header(&self.blind, live, &(edit, source.into()))
                 };
                 let shown = self.run().shown();
                 let practice = if shown.practice { "practice" } else { "trial" };
@@ -359,7 +361,7 @@ impl Bench {
                 "a recording runs: stop it first; every trial is recorded by itself".into(),
             );
         }
-        if self.build.is_some() || self.ready.is_some() {
+        if self.build.is_some() || self.ready.is_some() || !self.edits.is_at_rest() {
             return Err("a scene is being built: wait until it is there".into());
         }
         let scene = self.scene.clone();
