@@ -21,6 +21,7 @@
 //! | [`session`] | how a run is written, read, replayed and checked |
 //! | [`scenario`] | what a scene is made of, and what it needs |
 //! | [`training`] | what is asked and hidden, how it is answered, what the answers come to |
+//! | [`study`] | what recorded sessions tell, alone and beside each other |
 //! | [`figure`] | pictures without a window: plots and the shaded back |
 //! | [`lab`] | experiments: what a method costs, what it misses, what it gets right |
 //! | `app` | the workbench (feature `gui`) |
@@ -46,6 +47,7 @@ pub mod reference;
 pub mod scenario;
 pub mod servo;
 pub mod session;
+pub mod study;
 pub mod surface;
 pub mod training;
 pub mod units;

@@ -19,6 +19,7 @@ const ORDER: &[&str] = &[
     "scenario",
     "figure",
     "training",
+    "study",
     "lab",
     "app",
     "cli",
