@@ -9,6 +9,7 @@
 //! | module | answers |
 //! |---|---|
 //! | [`units`] | which units the program speaks, and the only conversions |
+//! | [`table`] | typed tables, row by row into CSV and Parquet |
 //! | [`geom`] | where is the closest point, where does a segment cross |
 //! | [`surface`] | what is the skin: mesh, adjacency, repair, file formats, the built-in back |
 //! | [`partition`] | which triangles are near, which does a motion cross |
@@ -49,6 +50,7 @@ pub mod servo;
 pub mod session;
 pub mod study;
 pub mod surface;
+pub mod table;
 pub mod training;
 pub mod units;
 

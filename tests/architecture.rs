@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 /// Modules from left to right; each may name those before it, except where [`NOT`] says otherwise.
 const ORDER: &[&str] = &[
     "units",
+    "table",
     "geom",
     "surface",
     "partition",

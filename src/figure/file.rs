@@ -1,6 +1,6 @@
 //! Writing files so that a reader never sees half of one.
 
-use std::io::{Result, Write};
+use std::io::{BufWriter, Result, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
@@ -20,6 +20,47 @@ pub fn write_files(files: &[(PathBuf, Vec<u8>)]) -> Result<()> {
     Ok(())
 }
 
+/// A file that is written bit by bit and is not there until it is [kept](Self::keep). Dropped before, it goes away; a killed
+/// program leaves a hidden file `.partial…` that no reader takes for one of ours.
+#[derive(Debug)]
+pub struct Beside {
+    file: BufWriter<NamedTempFile>,
+    path: PathBuf,
+}
+
+impl Beside {
+    /// Begins the file that is to be at `path`. Its folder must exist.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn new(path: &Path) -> Result<Self> {
+        Ok(Self {
+            file: BufWriter::with_capacity(256 * 1024, temporary(path)?),
+            path: path.to_owned(),
+        })
+    }
+
+    /// Puts the file in its place, instead of one that may be there.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn keep(self) -> Result<()> {
+        let file = self.file.into_inner().map_err(|e| e.into_error())?;
+        file.persist(&self.path)?;
+        Ok(())
+    }
+}
+
+impl Write for Beside {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> Result<()> {
+        self.file.flush()
+    }
+}
+
 /// Writes `bytes` beside `path`, then renames. The folder must exist.
 pub(super) fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     beside(path, bytes)?.persist(path)?;
@@ -28,6 +69,13 @@ pub(super) fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
 
 /// A file with `bytes` in the folder of `path`, which goes away unless it is renamed.
 fn beside(path: &Path, bytes: &[u8]) -> Result<NamedTempFile> {
+    let mut file = temporary(path)?;
+    file.write_all(bytes)?;
+    Ok(file)
+}
+
+/// An empty file in the folder of `path`, which goes away unless it is renamed.
+fn temporary(path: &Path) -> Result<NamedTempFile> {
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
@@ -36,7 +84,5 @@ fn beside(path: &Path, bytes: &[u8]) -> Result<NamedTempFile> {
     // Temporary files are private by default; a figure is an ordinary file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(folder)?;
-    file.write_all(bytes)?;
-    Ok(file)
+    builder.prefix(".partial").tempfile_in(folder)
 }

@@ -17,7 +17,7 @@ mod sheet;
 pub use axis::{Marks, Scale, axis_marks, axis_range};
 pub use camera::Camera;
 pub use cells::{CellBox, CellMap, Class};
-pub use file::write_files;
+pub use file::{Beside, write_files};
 pub use image::Image;
 pub use picture::{Ball, Picture};
 pub use plot::{LinePlot, Mark, Series, write_svg};

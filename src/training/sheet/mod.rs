@@ -3,11 +3,9 @@
 //! | file | gives |
 //! |---|---|
 //! | `html` | one page to print, without scripts; nothing is loaded from elsewhere |
-//! | `table` | the columns of a trial and of a participant, for CSV and Parquet alike |
-//! | `parquet` | those as Parquet |
+//! | `table` | the columns of a trial and of a participant, for CSV and Parquet alike ([`crate::table`]) |
 
 mod html;
-mod parquet;
 mod plots;
 mod table;
 
@@ -18,7 +16,6 @@ use crate::figure::write_files;
 use std::path::{Path, PathBuf};
 
 pub use html::page;
-pub use table::{Cell, Column, Table};
 
 /// An exercise that was done, and what it came to.
 #[derive(Clone, Debug)]
@@ -61,9 +58,9 @@ pub fn write(folder: &Path, done: &[Done]) -> Result<Vec<PathBuf>, TrainingError
     let contents = [
         page(done).map_err(|e| failed(&e))?.into_bytes(),
         trials.csv().map_err(|e| failed(&e))?,
-        parquet::bytes(&trials).map_err(|e| failed(&e))?,
+        trials.parquet().map_err(|e| failed(&e))?,
         participants.csv().map_err(|e| failed(&e))?,
-        parquet::bytes(&participants).map_err(|e| failed(&e))?,
+        participants.parquet().map_err(|e| failed(&e))?,
     ];
     let files: Vec<(PathBuf, Vec<u8>)> = (FILES.iter().map(|name| folder.join(name)))
         .zip(contents)

@@ -1,0 +1,60 @@
+//! Tables as CSV.
+
+use super::{Cell, Head, Result, Rows, misfit};
+use std::io::Write;
+
+/// Writes a table as CSV (RFC 4180, line feeds): a line of names, then the rows; nothing stands for what is absent.
+///
+/// Numbers have as many digits as bring them back bit for bit. Readers that cut digits must be told: pandas by
+/// `float_precision="round_trip"`.
+pub struct CsvRows<W: Write> {
+    writer: csv::Writer<W>,
+    heads: Vec<Head>,
+}
+
+impl<W: Write> CsvRows<W> {
+    /// Begins a table with the line of its names.
+    ///
+    /// # Errors
+    /// Those of `into`.
+    pub fn new(into: W, heads: &[Head]) -> Result<Self> {
+        let mut writer = csv::Writer::from_writer(into);
+        writer.write_record(heads.iter().map(|h| &*h.name))?;
+        Ok(Self {
+            writer,
+            heads: heads.to_vec(),
+        })
+    }
+}
+
+impl<W: Write> Rows for CsvRows<W> {
+    fn row(&mut self, cells: &[Cell<'_>]) -> Result<()> {
+        if let Some(error) = misfit(&self.heads, cells) {
+            return Err(error);
+        }
+        for cell in cells {
+            match cell {
+                Cell::Number(Some(x)) => self.writer.write_field(number_text(*x))?,
+                Cell::Single(Some(x)) => self.writer.write_field(x.to_string())?,
+                Cell::Count(Some(n)) => self.writer.write_field(n.to_string())?,
+                Cell::Yes(Some(true)) => self.writer.write_field("true")?,
+                Cell::Yes(Some(false)) => self.writer.write_field("false")?,
+                Cell::Text(Some(text)) => self.writer.write_field(&**text)?,
+                _ => self.writer.write_field("")?,
+            }
+        }
+        Ok(self.writer.write_record(None::<&[u8]>)?)
+    }
+
+    fn finish(&mut self) -> Result<()> {
+        self.writer.flush()
+    }
+}
+
+/// The fewest digits that read back to the same bits; very large and very small numbers with an exponent.
+pub fn number_text(x: f64) -> String {
+    match x.abs() {
+        size if size != 0.0 && !(1e-5..1e16).contains(&size) && x.is_finite() => format!("{x:e}"),
+        _ => x.to_string(),
+    }
+}
