@@ -161,12 +161,7 @@ impl Mouse {
             shared: Arc::default(),
         };
         handle.set(start_mm);
-        let capabilities = Capabilities {
-            name: "Mouse".into(),
-            rated_force_n: 22.0,
-            max_stiffness_n_per_mm: f64::INFINITY,
-            workspace_radius_mm: f64::INFINITY,
-        };
+        let capabilities = Capabilities::ideal("Mouse", 22.0);
         let mouse = Self {
             capabilities,
             shared: handle.clone(),

@@ -14,10 +14,9 @@ impl Null {
     /// A null device resting at `at_mm`.
     pub fn new(at_mm: Vec3) -> Self {
         let capabilities = Capabilities {
-            name: "None".into(),
-            rated_force_n: 0.0,
-            max_stiffness_n_per_mm: f64::INFINITY,
+            position_axes: 0,
             workspace_radius_mm: 0.0,
+            ..Capabilities::ideal("None", 0.0)
         };
         Self {
             capabilities,

@@ -362,12 +362,7 @@ pub struct Scripted {
 impl Scripted {
     /// Follows `trajectory` from its start.
     pub fn new(trajectory: Trajectory) -> Self {
-        let capabilities = Capabilities {
-            name: "Scripted".into(),
-            rated_force_n: 22.0,
-            max_stiffness_n_per_mm: f64::INFINITY,
-            workspace_radius_mm: f64::INFINITY,
-        };
+        let capabilities = Capabilities::ideal("Scripted", 22.0);
         Self {
             capabilities,
             trajectory,

@@ -41,12 +41,7 @@ impl Slider {
             }
         };
         Self {
-            capabilities: Capabilities {
-                name: "Scripted".into(),
-                rated_force_n: 22.0,
-                max_stiffness_n_per_mm: f64::INFINITY,
-                workspace_radius_mm: f64::INFINITY,
-            },
+            capabilities: Capabilities::ideal("Scripted", 22.0),
             readings: (0..there)
                 .map(reading)
                 .chain((0..there).map(back))

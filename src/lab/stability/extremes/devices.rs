@@ -330,6 +330,7 @@ fn replayed(size: &Size) -> Ended {
         rated_force_n: f64::NAN,
         max_stiffness_n_per_mm: f64::NAN,
         workspace_radius_mm: f64::NAN,
+        ..Capabilities::default()
     };
     let limits = Limits::of(&capabilities);
     let mut drive = Drive::with_limits(slippery(), limits, DT_S);
