@@ -1,6 +1,7 @@
 //! What a session says about itself beside its ticks.
 
 use super::SessionError;
+use super::format::Edit;
 use crate::servo::{Limits, MAX_FINGERS};
 use crate::surface::Surface;
 use std::collections::BTreeMap;
@@ -129,6 +130,15 @@ impl Header {
             *limit = device.limits();
         }
         limits
+    }
+
+    /// The scenario after edit `number`, one of `edits`; `None` where it is not among them.
+    pub(super) fn scenario_after<'a>(&'a self, number: u32, edits: &'a [Edit]) -> Option<&'a str> {
+        if number == self.edit {
+            return Some(&self.scenario_toml);
+        }
+        let edit = edits.iter().find(|e| e.number == number);
+        edit.map(|e| &*e.scenario_toml)
     }
 
     /// Start in nanoseconds since 1970, UTC.

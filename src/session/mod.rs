@@ -8,29 +8,32 @@
 //! | write as fast as ticks come | [`SessionWriter`] |
 //! | write beside a live servo | [`RecorderThread`] |
 //! | read, also what a killed program left | [`Session`] |
-//! | show a recorded instant | [`Playback`] |
+//! | open at once and show any instant | [`Timeline`], [`Playback`] |
 //! | repeat a run and compare | [`resimulate`], [`check`] |
 
 mod compare;
 pub mod format;
 mod header;
+mod index;
 mod playback;
 pub mod reader;
 pub mod recorder;
 pub mod replay;
+mod timeline;
 mod wire;
 pub mod writer;
 
 pub use compare::{Difference, FieldDifference};
 pub use format::{Edit, Event};
 pub use header::{DeviceInfo, Header, MeshSource, build_id, utc_now};
-pub use playback::{PLAYBACK_SPEEDS, Playback};
+pub use playback::{PLAYBACK_SPEEDS, Playback, Source};
 pub use reader::{Damage, Entry, Recording, Records, Session, Strictness, Ticks};
 pub use recorder::{RecorderHandle, RecorderState, RecorderStatus, RecorderThread};
 pub use replay::{
     CheckReport, Passed, Rebuild, Resimulated, Resimulation, check, check_edited, check_with,
     input_of, resimulate, resimulate_edited,
 };
+pub use timeline::Timeline;
 pub use writer::{IfExists, RecordingSummary, SessionWriter};
 
 use std::path::PathBuf;
@@ -96,6 +99,9 @@ pub enum SessionError {
         /// Why there is no scene for it.
         reason: String,
     },
+    /// Whoever watched wanted no more.
+    #[error("stopped before it was done")]
+    Stopped,
     /// The recorder is not in a state to do this, or does not answer.
     #[error("recorder: {0}")]
     Recorder(String),

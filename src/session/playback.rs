@@ -1,8 +1,9 @@
 //! Playing a recording: a plain value that takes commands and time steps. It owns no clock and no window.
 
 use super::format::Event;
-use super::reader::Recording;
-use crate::servo::{MAX_FINGERS, TickRecord};
+use super::header::Header;
+use super::timeline::Timeline;
+use crate::servo::TickRecord;
 use crate::units::{NS_PER_S, s_from_ns};
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -10,40 +11,80 @@ use std::sync::Arc;
 /// Speeds that [`Playback::set_speed`] allows, times real time.
 pub const PLAYBACK_SPEEDS: RangeInclusive<f64> = 0.05..=20.0;
 
+/// What can be played.
+pub trait Source {
+    /// What the run was.
+    fn header(&self) -> &Header;
+
+    /// Monotonic times of the first and the last tick, ns.
+    fn span_ns(&self) -> (u64, u64);
+
+    /// Every event.
+    fn events(&self) -> &[Event];
+
+    /// Every finger at an instant of the monotonic clock: its newest record then, or its first one before that. Fingers
+    /// without any record are default.
+    fn at_ns(&self, time_ns: u64) -> TickRecord;
+
+    /// Time of the tick of finger 0 that is `ticks` recorded ticks from the newest one at `time_ns`; of the first or last
+    /// where there are not so many. `None` without any.
+    fn step_ns(&self, time_ns: u64, ticks: i64) -> Option<u64>;
+}
+
+impl<S: Source + ?Sized> Source for Arc<S> {
+    fn header(&self) -> &Header {
+        (**self).header()
+    }
+
+    fn span_ns(&self) -> (u64, u64) {
+        (**self).span_ns()
+    }
+
+    fn events(&self) -> &[Event] {
+        (**self).events()
+    }
+
+    fn at_ns(&self, time_ns: u64) -> TickRecord {
+        (**self).at_ns(time_ns)
+    }
+
+    fn step_ns(&self, time_ns: u64, ticks: i64) -> Option<u64> {
+        (**self).step_ns(time_ns, ticks)
+    }
+}
+
 /// A position in a recording, and how it moves on.
 ///
 /// The instant is a time since the first tick, s. Where ticks are missing the last one before the gap stands.
 #[derive(Clone, Debug)]
-pub struct Playback {
-    recording: Arc<Recording>,
+pub struct Playback<S: Source = Timeline> {
+    source: S,
     /// Monotonic times of the first and last tick, ns.
     span_ns: (u64, u64),
     at_s: f64,
     playing: bool,
     speed: f64,
     looping: bool,
+    following: bool,
 }
 
-impl Playback {
+impl<S: Source> Playback<S> {
     /// Stands paused at the first tick.
-    pub fn new(recording: Arc<Recording>) -> Self {
-        let firsts = recording.fingers.iter().filter_map(|f| f.first());
-        let first_ns = firsts.map(|r| r.time_ns).min().unwrap_or(0);
-        let lasts = recording.fingers.iter().filter_map(|f| f.last());
-        let last_ns = lasts.map(|r| r.time_ns).max().unwrap_or(0);
+    pub fn new(source: S) -> Self {
         Self {
-            recording,
-            span_ns: (first_ns, last_ns.max(first_ns)),
+            span_ns: source.span_ns(),
+            source,
             at_s: 0.0,
             playing: false,
             speed: 1.0,
             looping: false,
+            following: false,
         }
     }
 
     /// What is played.
-    pub fn recording(&self) -> &Arc<Recording> {
-        &self.recording
+    pub fn source(&self) -> &S {
+        &self.source
     }
 
     /// Length, s.
@@ -110,6 +151,17 @@ impl Playback {
         self.looping = looping;
     }
 
+    /// Whether playing pauses at each event.
+    pub fn is_following(&self) -> bool {
+        self.following
+    }
+
+    /// Whether playing pauses at each event that it comes to, so that nothing that happened is played past; playing on leads to
+    /// the next. Lost ticks and restarts are events too.
+    pub fn set_follow(&mut self, follow: bool) {
+        self.following = follow;
+    }
+
     /// Goes to an instant, kept within the recording; not a number leaves it as it is.
     pub fn seek_s(&mut self, at_s: f64) {
         if !at_s.is_nan() {
@@ -127,7 +179,10 @@ impl Playback {
         let before_s = self.at_s;
         let duration_s = self.duration_s();
         let to_s = before_s + step_s;
-        if to_s <= duration_s {
+        if let Some(event_s) = self.event_within(to_s) {
+            self.at_s = event_s;
+            self.playing = false;
+        } else if to_s <= duration_s {
             self.at_s = to_s;
         } else if self.looping && duration_s > 0.0 {
             self.at_s = to_s % duration_s;
@@ -138,65 +193,61 @@ impl Playback {
         self.at_s != before_s
     }
 
+    /// Where following, the first event that is come to on the way to `to_s`, over the end and from the start where looping.
+    fn event_within(&self, to_s: f64) -> Option<f64> {
+        if !self.following {
+            return None;
+        }
+        let now_ns = self.at_ns();
+        let places = || self.source.events().iter().map(|e| self.place_of(e));
+        let ahead = places().filter(|(ns, _)| *ns > now_ns).map(|(_, s)| s);
+        if let Some(next_s) = ahead.min_by(f64::total_cmp) {
+            return (next_s <= to_s).then_some(next_s);
+        }
+        let duration_s = self.duration_s();
+        let over = self.looping && duration_s > 0.0 && to_s > duration_s;
+        let first_s = places().map(|(_, s)| s).min_by(f64::total_cmp)?;
+        (over && first_s <= to_s - duration_s).then_some(first_s)
+    }
+
+    /// The instant of an event, on the monotonic clock and in s since the first tick, kept within the recording.
+    fn place_of(&self, event: &Event) -> (u64, f64) {
+        let ns = event.time_ns.clamp(self.span_ns.0, self.span_ns.1);
+        (ns, s_from_ns(ns - self.span_ns.0))
+    }
+
     /// Pauses and goes `ticks` recorded ticks ahead, or back when negative; stops at either end.
     pub fn step(&mut self, ticks: i64) {
         self.pause();
-        let Some(timeline) = self.recording.fingers.first().filter(|f| !f.is_empty()) else {
-            return;
-        };
-        let now_ns = self.at_ns();
-        let present = timeline.partition_point(|r| r.time_ns <= now_ns) as i64 - 1;
-        let target = present
-            .saturating_add(ticks)
-            .clamp(0, timeline.len() as i64 - 1);
-        let target_ns = timeline[target as usize].time_ns;
-        self.at_s = s_from_ns(target_ns.saturating_sub(self.span_ns.0));
+        if let Some(target_ns) = self.source.step_ns(self.at_ns(), ticks) {
+            self.at_s = s_from_ns(target_ns.saturating_sub(self.span_ns.0));
+        }
     }
 
     /// Goes to the next event behind the instant; `None`, and stays, when there is none.
     pub fn seek_next_event(&mut self) -> Option<&Event> {
         let now_ns = self.at_ns();
-        let found = self
-            .recording
-            .events
-            .iter()
-            .position(|e| e.time_ns > now_ns);
-        self.seek_event(found)
+        let mut events = self.source.events().iter();
+        self.seek_event(events.position(|e| e.time_ns > now_ns)?)
     }
 
     /// Goes to the last event before the instant; `None`, and stays, when there is none.
     pub fn seek_previous_event(&mut self) -> Option<&Event> {
         let now_ns = self.at_ns();
-        let found = self
-            .recording
-            .events
-            .iter()
-            .rposition(|e| e.time_ns < now_ns);
-        self.seek_event(found)
+        let mut events = self.source.events().iter();
+        self.seek_event(events.rposition(|e| e.time_ns < now_ns)?)
     }
 
-    fn seek_event(&mut self, index: Option<usize>) -> Option<&Event> {
-        let event = &self.recording.events[index?];
-        let at_s = s_from_ns(event.time_ns.saturating_sub(self.span_ns.0));
-        self.at_s = at_s.min(self.duration_s());
+    /// Goes to an event by its place in [`Source::events`]; `None`, and stays, when there are not so many.
+    pub fn seek_event(&mut self, index: usize) -> Option<&Event> {
+        let event = self.source.events().get(index)?;
+        self.at_s = self.place_of(event).1;
         Some(event)
     }
 
-    /// Every finger at the present instant: its newest record then, or its first one before that. Fingers without any
-    /// record, and all of an empty recording, are default.
+    /// Every finger at the present instant, as [`Source::at_ns`].
     pub fn at(&self) -> TickRecord {
-        let now_ns = self.at_ns();
-        let mut view = TickRecord {
-            n_fingers: self.recording.fingers.len().min(MAX_FINGERS),
-            ..TickRecord::default()
-        };
-        for (shown, finger) in view.fingers.iter_mut().zip(&self.recording.fingers) {
-            let newest = finger.partition_point(|r| r.time_ns <= now_ns).max(1) - 1;
-            if let Some(record) = finger.get(newest) {
-                *shown = *record;
-            }
-        }
-        view
+        self.source.at_ns(self.at_ns())
     }
 
     /// The present instant on the recording's monotonic clock, rounded to the nearest nanosecond so that the time of a tick
@@ -211,10 +262,11 @@ impl Playback {
 mod tests {
     use super::*;
     use crate::servo::FingerRecord;
+    use crate::session::Recording;
     use crate::session::header::tests::sample;
 
     /// Two fingers, ticks 100 … 109 at 1 ms from 5 s on, tick 104 missing, an event at ticks 102 and 107.
-    fn playback() -> Playback {
+    fn playback() -> Playback<Arc<Recording>> {
         let finger = |finger: u8| {
             let numbers = (100..110).filter(|n| *n != 104);
             let record = |tick: u64| FingerRecord {
@@ -240,7 +292,7 @@ mod tests {
         }))
     }
 
-    fn tick(p: &Playback) -> u64 {
+    fn tick(p: &Playback<Arc<Recording>>) -> u64 {
         let view = p.at();
         assert_eq!(view.n_fingers, 2);
         assert_eq!(view.fingers[0].tick, view.fingers[1].tick);
@@ -324,6 +376,29 @@ mod tests {
     }
 
     #[test]
+    fn following_stops_at_each_event_and_goes_on_from_there() {
+        let mut p = playback();
+        p.set_follow(true);
+        p.set_looping(true);
+        let mut stops = Vec::new();
+        for _ in 0..5 {
+            p.play();
+            // More than the whole way: what is past an event is not played.
+            assert!(p.advance(0.008));
+            stops.push((tick(&p), p.is_playing()));
+        }
+        let t = |tick| (tick, false);
+        assert_eq!(stops, [t(102), t(107), t(102), t(107), t(102)]);
+        p.set_follow(false);
+        p.play();
+        assert!(p.advance(0.005));
+        assert_eq!((tick(&p), p.is_playing()), (107, true));
+        assert_eq!(p.seek_event(0).map(|e| e.tick), Some(102));
+        assert_eq!(p.seek_event(9), None);
+        assert_eq!(tick(&p), 102);
+    }
+
+    #[test]
     fn speeds_and_instants_stay_in_range_whatever_is_asked() {
         let mut p = playback();
         for (asked, got) in [
@@ -347,7 +422,7 @@ mod tests {
     #[test]
     fn an_empty_recording_has_nothing_to_show_and_does_not_fail() {
         let mut p = playback();
-        let mut empty = Recording::clone(p.recording());
+        let mut empty = Recording::clone(p.source());
         empty.fingers = vec![Vec::new(), Vec::new()];
         empty.events.clear();
         p = Playback::new(Arc::new(empty));

@@ -3,7 +3,9 @@
 use super::SessionError;
 use super::format::{self, Edit, Event};
 use super::header::Header;
-use super::wire::{self, Walk, WireError};
+use super::index::Summary;
+use super::playback::Source;
+use super::wire::{self, Messages, Walk, WireError};
 use crate::servo::{FingerRecord, MAX_FINGERS, TickRecord};
 use mcap::records::op;
 use std::collections::BTreeMap;
@@ -74,13 +76,14 @@ impl Session {
         while !about.is_whole() {
             let opcode = walk.advance().map_err(|e| wire_error(path, e))?;
             let taken = match opcode {
-                Some(opcode) => about.take(opcode, &walk),
+                Some(opcode) => about.take(opcode, walk.record()),
                 None => Err(NO_HEADER.into()),
             };
             taken.map_err(|what| wire_error(path, WireError::Damaged(walk.at(), what)))?;
         }
         if about.is_sealed() {
-            about = revealed(&mut walk).unwrap_or(about);
+            let said = indexed(path).or_else(|| revealed(&mut walk));
+            about = said.unwrap_or(about);
         }
         let (map, scenario) = (
             about.map.unwrap_or_default(),
@@ -117,17 +120,12 @@ impl Session {
     /// # Errors
     /// The file cannot be opened.
     pub fn entries(&self, strictness: Strictness) -> Result<Records, SessionError> {
-        let channels = (0..MAX_FINGERS as u8).map(|i| (format::finger_channel(i), Kind::Finger(i)));
-        let others = [
-            (format::EVENTS_CHANNEL, Kind::Events),
-            (format::EDITS_CHANNEL, Kind::Edits),
-        ];
         Ok(Records {
             walk: walk(&self.path, strictness)?,
             path: self.path.clone(),
             n_fingers: self.header.n_fingers(),
             strictness,
-            channels: channels.chain(others).collect(),
+            channels: Kind::by_channel(),
             chunk: Vec::new(),
             at: 0,
             last: [None; MAX_FINGERS],
@@ -195,17 +193,17 @@ impl About {
         self.map.as_ref().is_some_and(|m| m.contains_key("sealed"))
     }
 
-    /// Takes the record that `walk` stands at, one of those before the ticks.
-    fn take(&mut self, opcode: u8, walk: &Walk<BufReader<File>>) -> Result<(), String> {
+    /// Takes a record, one of those before the ticks.
+    fn take(&mut self, opcode: u8, record: &[u8]) -> Result<(), String> {
         match opcode {
             op::METADATA => {
-                let (name, entries) = wire::metadata(walk.record())?;
+                let (name, entries) = wire::metadata(record)?;
                 if name == format::METADATA {
                     self.map = Some(entries);
                 }
             }
             op::ATTACHMENT => {
-                let (name, data) = wire::attachment(walk.record())?;
+                let (name, data) = wire::attachment(record)?;
                 if name == format::SCENARIO {
                     let text =
                         std::str::from_utf8(data).map_err(|e| format!("the scenario: {e}"))?;
@@ -217,6 +215,25 @@ impl About {
         }
         Ok(())
     }
+}
+
+/// What a finished session says of itself last, found by its summary; `None` where that is missing or wrong.
+fn indexed(path: &Path) -> Option<About> {
+    let mut file = File::open(path).ok()?;
+    let summary = Summary::read(&mut file).ok()??;
+    let last = |places: &BTreeMap<u64, String>, name: &str| {
+        let mut named = places.iter().filter(|(_, n)| *n == name);
+        named.next_back().map(|(at, _)| *at)
+    };
+    let mut about = About::default();
+    for at in [
+        last(&summary.metadata, format::METADATA)?,
+        last(&summary.attachments, format::SCENARIO)?,
+    ] {
+        let (opcode, record) = wire::record_at(&mut file, at).ok()?;
+        about.take(opcode, &record).ok()?;
+    }
+    about.is_whole().then_some(about)
 }
 
 /// What a sealed session says behind its ticks; `None` where it was never answered, or where what says so is damaged.
@@ -234,7 +251,7 @@ fn revealed(walk: &mut Walk<BufReader<File>>) -> Option<About> {
             }
         };
         if matches!(opcode, op::METADATA | op::ATTACHMENT) {
-            about.take(opcode, walk).ok()?;
+            about.take(opcode, walk.record()).ok()?;
         }
     }
     Some(about)
@@ -258,20 +275,81 @@ pub struct Recording {
 impl Recording {
     /// The scenario after edit `number`; `None` where its text is not in the file.
     pub fn scenario_after(&self, number: u32) -> Option<&str> {
-        if number == self.header.edit {
-            return Some(&self.header.scenario_toml);
-        }
-        let edit = self.edits.iter().find(|e| e.number == number);
-        edit.map(|e| &*e.scenario_toml)
+        self.header.scenario_after(number, &self.edits)
     }
 }
 
+impl Source for Recording {
+    fn header(&self) -> &Header {
+        &self.header
+    }
+
+    fn span_ns(&self) -> (u64, u64) {
+        let firsts = self.fingers.iter().filter_map(|f| f.first());
+        let first_ns = firsts.map(|r| r.time_ns).min().unwrap_or(0);
+        let lasts = self.fingers.iter().filter_map(|f| f.last());
+        let last_ns = lasts.map(|r| r.time_ns).max().unwrap_or(0);
+        (first_ns, last_ns.max(first_ns))
+    }
+
+    fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    fn at_ns(&self, time_ns: u64) -> TickRecord {
+        let mut view = TickRecord {
+            n_fingers: self.fingers.len().min(MAX_FINGERS),
+            ..TickRecord::default()
+        };
+        for (shown, finger) in view.fingers.iter_mut().zip(&self.fingers) {
+            let newest = finger.partition_point(|r| r.time_ns <= time_ns).max(1) - 1;
+            if let Some(record) = finger.get(newest) {
+                *shown = *record;
+            }
+        }
+        view
+    }
+
+    fn step_ns(&self, time_ns: u64, ticks: i64) -> Option<u64> {
+        let line = self.fingers.first().filter(|f| !f.is_empty())?;
+        let present = line.partition_point(|r| r.time_ns <= time_ns) as i64 - 1;
+        let target = present
+            .saturating_add(ticks)
+            .clamp(0, line.len() as i64 - 1);
+        Some(line[target as usize].time_ns)
+    }
+}
+
+/// What is on a channel.
 #[derive(Clone, Copy, Debug)]
-enum Kind {
+pub(super) enum Kind {
     Finger(u8),
     Events,
     Edits,
     Foreign,
+}
+
+impl Kind {
+    /// What the fixed channels are, in a file that does not say.
+    pub(super) fn by_channel() -> BTreeMap<u16, Self> {
+        let fingers = (0..MAX_FINGERS as u8).map(|i| (format::finger_channel(i), Self::Finger(i)));
+        let others = [
+            (format::EVENTS_CHANNEL, Self::Events),
+            (format::EDITS_CHANNEL, Self::Edits),
+        ];
+        fingers.chain(others).collect()
+    }
+
+    /// What a topic is in a session of so many fingers.
+    pub(super) fn of(topic: &str, n_fingers: usize) -> Self {
+        let finger = (0..n_fingers).find(|i| topic == format::finger_topic(*i));
+        match finger {
+            Some(i) => Self::Finger(i as u8),
+            None if topic == format::EVENTS_TOPIC => Self::Events,
+            None if topic == format::EDITS_TOPIC => Self::Edits,
+            None => Self::Foreign,
+        }
+    }
 }
 
 /// Iterates over the messages of a session. After an error it ends.
@@ -299,6 +377,16 @@ impl Records {
     /// How much of the file is done, 0 to 1.
     pub fn progress(&self) -> f64 {
         self.walk.at() as f64 / self.walk.size().max(1) as f64
+    }
+
+    /// Where the chunk of the last entry starts and how long its record is, bytes.
+    pub(super) fn chunk(&self) -> (u64, u64) {
+        (self.walk.at(), self.walk.next() - self.walk.at())
+    }
+
+    /// What is on each channel, as far as it is known.
+    pub(super) fn channels(&self) -> &BTreeMap<u16, Kind> {
+        &self.channels
     }
 
     fn step(&mut self) -> Result<Option<Entry>, SessionError> {
@@ -334,11 +422,11 @@ impl Records {
         match opcode {
             op::CHANNEL => {
                 let (id, topic) = wire::channel(record)?;
-                self.channels.insert(id, self.kind(&topic));
+                self.channels.insert(id, Kind::of(&topic, self.n_fingers));
                 Ok(None)
             }
             op::MESSAGE => {
-                let (id, data) = wire::message(record)?;
+                let (id, _, data) = wire::message(record)?;
                 match self.channels.get(&id) {
                     Some(Kind::Finger(finger)) => {
                         let record = format::decode_tick(data)?;
@@ -353,16 +441,6 @@ impl Records {
                 }
             }
             _ => Ok(None),
-        }
-    }
-
-    fn kind(&self, topic: &str) -> Kind {
-        let finger = (0..self.n_fingers).find(|i| topic == format::finger_topic(*i));
-        match finger {
-            Some(i) => Kind::Finger(i as u8),
-            None if topic == format::EVENTS_TOPIC => Kind::Events,
-            None if topic == format::EDITS_TOPIC => Kind::Edits,
-            None => Kind::Foreign,
         }
     }
 
@@ -393,9 +471,13 @@ impl Records {
                 Ok(None) => return Ok(false),
                 Ok(Some(op::CHUNK)) if !self.ended => {
                     match wire::chunk_messages(self.walk.record()) {
-                        Ok(start) => {
+                        Ok(Messages::Plain(start)) => {
                             self.chunk = self.walk.take_record();
                             self.at = start;
+                            return Ok(true);
+                        }
+                        Ok(Messages::Unpacked(messages)) => {
+                            self.chunk = messages;
                             return Ok(true);
                         }
                         Err(what) => {
@@ -544,7 +626,7 @@ fn walk(path: &Path, strictness: Strictness) -> Result<Walk<BufReader<File>>, Se
     })
 }
 
-fn wire_error(path: &Path, error: WireError) -> SessionError {
+pub(super) fn wire_error(path: &Path, error: WireError) -> SessionError {
     let path = path.to_owned();
     match error {
         WireError::Io(source) => SessionError::Io { path, source },

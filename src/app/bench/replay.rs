@@ -15,7 +15,7 @@ use std::sync::{Arc, Mutex};
 /// A recording that is open.
 pub struct Replay {
     path: PathBuf,
-    playback: Playback,
+    playback: Playback<Arc<Recording>>,
     /// The scene of the header.
     first: Option<Arc<Scene>>,
     /// The scene of the present instant, and the edit that made it.
@@ -203,7 +203,7 @@ impl Replay {
         if wanted == self.edit || self.build.is_some() || self.refused == Some(wanted) {
             return (false, None);
         }
-        let recording = self.playback.recording();
+        let recording = self.playback.source();
         if wanted == recording.header.edit {
             let first = Arc::clone(first);
             self.show(wanted, first);
@@ -251,7 +251,7 @@ impl Replay {
     }
 
     /// The value that moves through time.
-    pub fn playback(&mut self) -> &mut Playback {
+    pub fn playback(&mut self) -> &mut Playback<Arc<Recording>> {
         &mut self.playback
     }
 }
