@@ -223,7 +223,7 @@ fn the_container_is_one_that_other_readers_index() {
     let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
     let stats = summary.stats.unwrap();
     assert_eq!(stats.message_count, 6001);
-    assert_eq!((stats.attachment_count, stats.metadata_count), (1, 1));
+    assert_eq!((stats.attachment_count, stats.metadata_count), (2, 3));
     let topics: Vec<_> = summary
         .channels
         .values()

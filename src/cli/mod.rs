@@ -11,6 +11,7 @@ mod lab;
 mod map;
 mod mesh;
 mod partition;
+mod recover;
 mod replay;
 mod run;
 mod scenario;
@@ -75,6 +76,8 @@ enum Command {
     Run(run::RunArgs),
     /// Repeat a recorded session from its device readings and compare.
     Replay(replay::ReplayArgs),
+    /// Save what a damaged or unfinished session still holds, and count what it does not; or compress a whole one.
+    Recover(recover::RecoverArgs),
     /// Tell what a scenario needs and what is left out, with bytes and µs.
     Scene(scene::SceneArgs),
     /// Check scenarios, list dysfunctions and places, hide dysfunctions at random.
@@ -131,6 +134,7 @@ pub fn main() -> u8 {
         None => workbench::run(&arguments.workbench, json),
         Some(Command::Run(args)) => run::run(args, json),
         Some(Command::Replay(args)) => replay::run(args, json),
+        Some(Command::Recover(args)) => recover::run(args, json),
         Some(Command::Scene(args)) => scene::run(args, json),
         Some(Command::Scenario(command)) => scenario::run(command, json),
         Some(Command::Mesh(command)) => mesh::run(command, json),

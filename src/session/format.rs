@@ -1,15 +1,19 @@
 //! The layout of a session file.
 //!
 //! # Container
-//! A session is an [MCAP](https://mcap.dev/spec) file, profile `dorsum`, with uncompressed chunks of about 256 KiB. Every
-//! chunk carries a CRC. While a recording runs, a chunk is closed and handed to the system at least twice a second. A file
+//! A session is an [MCAP](https://mcap.dev/spec) file, profile `dorsum`, with chunks of about 256 KiB, uncompressed while it is
+//! recorded; a finished one may be compressed with zstd ([`compress`](super::compress)). Every chunk carries a CRC. While a recording runs, a chunk is closed and handed to the system at least twice a second. A file
 //! whose recording was killed has no summary at its end; all its closed chunks can be read.
 //!
 //! ```text
 //! magic, header
+//! metadata "dorsum.host"         facts of the machine (below)
+//! metadata "dorsum.calibration"  how the devices were calibrated, where they say so
+//! attachment "mesh"              the mesh file, whole, of a surface that is not built in
 //! metadata "dorsum"              what the run was (below)
 //! attachment "scenario.toml"     the scenario file, whole
 //! chunk                          schemas and channels, no messages
+//! metadata "dorsum", attachment "scenario.toml"      again, for when the first are damaged; not in older files
 //! chunk …                        messages, each chunk followed by its message indexes
 //! data end (CRC), summary (schemas, channels, statistics, chunk, attachment and metadata indexes), footer (CRC), magic
 //! ```
@@ -72,7 +76,7 @@
 //! # `dorsum.Event`
 //! `tick` (1, uint64), `time_ns` (2, uint64), `kind` (3, string), `text` (4, string). Kinds the recorder writes itself:
 //! `lost` (ticks that never reached it), `restart` (the servo was started anew, or a recording that was held went on; tick numbers go on after a gap). All
-//! others come from the program or the user, such as `mark`.
+//! others come from the program or the user, such as `mark`. `recovered` stands at the end of a file that was saved from a damaged one.
 //!
 //! # Edits
 //! An edit is the whole text of the scenario as edited. `dorsum.Edit`: `number` (1, uint32), `tick` (2, uint64) and `time_ns`
@@ -95,7 +99,18 @@
 //! `format` = `1`, `scenario_name`, `mesh_hash` (SHA-256, hexadecimal), `mesh_origin`, `mesh_triangles`, `rate_hz` (the time
 //! step is its reciprocal), `build`, `started_utc`, `participant` (a pseudonym; absent when none), `fingers` (their number),
 //! `edit` (the number of the edit that the attached scenario is; absent: 0), `sealed` (absent: `off`), and for each finger `finger.N.device`,
-//! `finger.N.rated_force_n`, `finger.N.rise_n_per_s`, `finger.N.passivity` (`on` with the passivity controller; absent: off). Numbers are written so that they read back to the same bits.
+//! `finger.N.rated_force_n`, `finger.N.rise_n_per_s`, `finger.N.passivity` (`on` with the passivity controller; absent: off). `checksum` is the
+//! CRC-32, hexadecimal, of all other entries in the order of their keys, each key and value with a zero byte behind (absent in older
+//! files). Numbers are written so that they read back to the same bits.
+//!
+//! # Other metadata
+//! `dorsum.host`: `clock` that `time_ns` is read from, `clock_step_ns` its least step seen, `os`, `arch`, `cores`.
+//! `dorsum.calibration`: `finger.N.calibration`, in the device's own words. `dorsum.recovered`, in a file saved from a damaged one:
+//! `file`, `recovered_utc`, `build`, what was skipped (`chunks`, `messages`, `bytes`, `unfinished`, `first`) and for each finger
+//! what its tick numbers lack (`finger.N.missing`, `finger.N.gaps`).
+//!
+//! # Orientation
+//! Devices with three degrees of freedom have none, and no field is written for it; a device that tells one gets a field of its own.
 
 use crate::contact::{Contact, Touch};
 use crate::device::Reading;
@@ -117,6 +132,16 @@ pub const PROFILE: &str = "dorsum";
 pub const METADATA: &str = "dorsum";
 /// Name of the attachment that holds the scenario.
 pub const SCENARIO: &str = "scenario.toml";
+/// Name of the attachment that holds the mesh file of a surface that is not built in.
+pub const MESH: &str = "mesh";
+/// Name of the metadata that hold facts of the machine.
+pub const HOST_METADATA: &str = "dorsum.host";
+/// Name of the metadata that hold the calibrations of the devices.
+pub const CALIBRATION_METADATA: &str = "dorsum.calibration";
+/// Name of the metadata that say what is missing since the file was saved from a damaged one.
+pub const RECOVERED_METADATA: &str = "dorsum.recovered";
+/// Kind of the event that says so.
+pub const RECOVERED: &str = "recovered";
 /// Topic of the events.
 pub const EVENTS_TOPIC: &str = "/events";
 /// Channel of the events.

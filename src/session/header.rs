@@ -101,6 +101,37 @@ pub struct Header {
     pub sealed: bool,
 }
 
+/// Key of the checksum of the metadata.
+const CHECKSUM: &str = "checksum";
+
+/// CRC-32 of all entries but the checksum, hexadecimal: each key and value, with a zero byte behind.
+fn checksum(map: &BTreeMap<String, String>) -> String {
+    let mut hasher = crc32fast::Hasher::new();
+    for (key, value) in map.iter().filter(|(key, _)| *key != CHECKSUM) {
+        for text in [key, value] {
+            hasher.update(text.as_bytes());
+            hasher.update(&[0]);
+        }
+    }
+    format!("{:08x}", hasher.finalize())
+}
+
+/// Metadata with their checksum.
+pub(super) fn with_checksum(mut map: BTreeMap<String, String>) -> BTreeMap<String, String> {
+    map.insert(CHECKSUM.to_owned(), checksum(&map));
+    map
+}
+
+/// Metadata whose checksum is right or, in older files, absent.
+pub(super) fn checked(map: BTreeMap<String, String>) -> Result<BTreeMap<String, String>, String> {
+    match map.get(CHECKSUM) {
+        Some(said) if *said != checksum(&map) => {
+            Err("the metadata do not match their checksum".to_owned())
+        }
+        _ => Ok(map),
+    }
+}
+
 /// The present instant as sessions write it, such as `2031-05-17T09:30:00.125Z`.
 pub fn utc_now() -> String {
     humantime::format_rfc3339_millis(SystemTime::now()).to_string()

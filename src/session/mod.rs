@@ -9,9 +9,12 @@
 //! | write beside a live servo | [`RecorderThread`] |
 //! | read, also what a killed program left | [`Session`] |
 //! | open at once and show any instant | [`Timeline`], [`Playback`] |
+//! | save what a damaged file still holds | [`recover`] |
+//! | make a finished file smaller | [`compress`] |
 //! | repeat a run and compare | [`resimulate`], [`check`] |
 
 mod compare;
+mod extras;
 pub mod format;
 mod header;
 mod index;
@@ -19,11 +22,13 @@ mod playback;
 pub mod reader;
 pub mod recorder;
 pub mod replay;
+mod rewrite;
 mod timeline;
 mod wire;
 pub mod writer;
 
 pub use compare::{Difference, FieldDifference};
+pub use extras::Extras;
 pub use format::{Edit, Event};
 pub use header::{DeviceInfo, Header, MeshSource, build_id, utc_now};
 pub use playback::{PLAYBACK_SPEEDS, Playback, Source};
@@ -33,6 +38,7 @@ pub use replay::{
     CheckReport, Passed, Rebuild, Resimulated, Resimulation, check, check_edited, check_with,
     input_of, resimulate, resimulate_edited,
 };
+pub use rewrite::{Compressed, FingerLoss, RecoverOptions, RecoverReport, compress, recover};
 pub use timeline::Timeline;
 pub use writer::{IfExists, RecordingSummary, SessionWriter};
 

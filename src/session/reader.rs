@@ -1,6 +1,7 @@
 //! Reading sessions, whole ones and what is left of others.
 
 use super::SessionError;
+use super::extras::Extras;
 use super::format::{self, Edit, Event};
 use super::header::Header;
 use super::index::Summary;
@@ -73,14 +74,8 @@ impl Session {
     pub fn open(path: &Path) -> Result<Self, SessionError> {
         let mut walk = walk(path, Strictness::Lenient)?;
         let mut about = About::default();
-        while !about.is_whole() {
-            let opcode = walk.advance().map_err(|e| wire_error(path, e))?;
-            let taken = match opcode {
-                Some(opcode) => about.take(opcode, walk.record()),
-                None => Err(NO_HEADER.into()),
-            };
-            taken.map_err(|what| wire_error(path, WireError::Damaged(walk.at(), what)))?;
-        }
+        let begun = about.begin(&mut walk);
+        begun.map_err(|e| wire_error(path, e))?;
         if about.is_sealed() {
             let said = indexed(path).or_else(|| revealed(&mut walk));
             about = said.unwrap_or(about);
@@ -110,6 +105,14 @@ impl Session {
         &self.header
     }
 
+    /// What travels with it: the mesh, calibrations, facts of the machine. What is damaged or was not written is not there.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn extras(&self) -> Result<Extras, SessionError> {
+        Extras::read(&self.path, &self.header)
+    }
+
     /// Size of the file, bytes.
     pub fn bytes(&self) -> u64 {
         self.bytes
@@ -132,6 +135,8 @@ impl Session {
             ended: false,
             done: false,
             damage: Damage::default(),
+            message: 0..0,
+            packed: false,
         })
     }
 
@@ -175,6 +180,9 @@ impl Session {
     }
 }
 
+/// What a session is stands within this of its start, bytes, if at all.
+const FARTHEST_START: u64 = 64 * 1024 * 1024;
+
 const NO_HEADER: &str = "its header is missing; was it recorded by Dorsum?";
 
 /// Metadata and scenario of a session, as they are come upon.
@@ -193,13 +201,54 @@ impl About {
         self.map.as_ref().is_some_and(|m| m.contains_key("sealed"))
     }
 
-    /// Takes a record, one of those before the ticks.
+    /// Reads on to the first that is whole. What it is stands twice, before and behind the first chunk: where the one is
+    /// damaged, the other is taken.
+    fn begin(&mut self, walk: &mut Walk<BufReader<File>>) -> Result<(), WireError> {
+        let mut first_wrong = None;
+        let mut chunks = 0;
+        while !self.is_whole() && chunks < 2 {
+            let wrong = match walk.advance() {
+                Ok(None) => break,
+                Ok(Some(op::CHUNK)) => {
+                    chunks += 1;
+                    continue;
+                }
+                Ok(Some(opcode)) => {
+                    let taken = self.take(opcode, walk.record());
+                    match (walk.makes_sense(opcode), taken) {
+                        (true, Ok(())) => continue,
+                        (_, Err(what)) => WireError::Damaged(walk.at(), what),
+                        (false, Ok(())) => WireError::Damaged(walk.at(), NO_HEADER.into()),
+                    }
+                }
+                Err(WireError::Io(e)) => return Err(WireError::Io(e)),
+                Err(wrong) => wrong,
+            };
+            let behind = match &wrong {
+                WireError::Damaged(at, _) => at + 1,
+                WireError::Io(_) => walk.next() + 1,
+            };
+            first_wrong.get_or_insert(wrong);
+            let near = behind.saturating_add(FARTHEST_START);
+            if !walk.resynchronise(behind, near).map_err(WireError::Io)? {
+                break;
+            }
+        }
+        if self.is_whole() {
+            return Ok(());
+        }
+        let missing = || WireError::Damaged(walk.at(), NO_HEADER.into());
+        Err(first_wrong.unwrap_or_else(missing))
+    }
+
+    /// Takes a record: metadata begin anew, the scenario follows.
     fn take(&mut self, opcode: u8, record: &[u8]) -> Result<(), String> {
         match opcode {
             op::METADATA => {
                 let (name, entries) = wire::metadata(record)?;
                 if name == format::METADATA {
-                    self.map = Some(entries);
+                    *self = Self::default();
+                    self.map = Some(super::header::checked(entries)?);
                 }
             }
             op::ATTACHMENT => {
@@ -210,8 +259,7 @@ impl About {
                     self.scenario = Some(text.to_owned());
                 }
             }
-            op::HEADER => {}
-            _ => return Err(NO_HEADER.into()),
+            _ => {}
         }
         Ok(())
     }
@@ -239,19 +287,19 @@ fn indexed(path: &Path) -> Option<About> {
 /// What a sealed session says behind its ticks; `None` where it was never answered, or where what says so is damaged.
 fn revealed(walk: &mut Walk<BufReader<File>>) -> Option<About> {
     let mut about = About::default();
-    while !about.is_whole() {
+    while !about.is_whole() || about.is_sealed() {
         let opcode = match walk.advance() {
             Ok(opcode) => opcode?,
             Err(_) => {
                 let behind = walk.next() + 1;
-                if !walk.resynchronise(behind).unwrap_or(false) {
+                if !walk.resynchronise(behind, u64::MAX).unwrap_or(false) {
                     return None;
                 }
                 continue;
             }
         };
         if matches!(opcode, op::METADATA | op::ATTACHMENT) {
-            about.take(opcode, walk.record()).ok()?;
+            let _ = about.take(opcode, walk.record());
         }
     }
     Some(about)
@@ -366,6 +414,21 @@ pub struct Records {
     ended: bool,
     done: bool,
     damage: Damage,
+    /// The last message, in the chunk.
+    message: Range<usize>,
+    /// A chunk was compressed.
+    packed: bool,
+}
+
+/// A message as it lies in the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct RawMessage<'a> {
+    /// The channel that a session has it on.
+    pub(super) channel: u16,
+    pub(super) sequence: u32,
+    pub(super) log_ns: u64,
+    pub(super) publish_ns: u64,
+    pub(super) data: &'a [u8],
 }
 
 impl Records {
@@ -384,6 +447,34 @@ impl Records {
         (self.walk.at(), self.walk.next() - self.walk.at())
     }
 
+    /// The last entry as it lies in the file; `None` before the first.
+    pub(super) fn message(&self) -> Option<RawMessage<'_>> {
+        let record = self.chunk.get(self.message.clone())?;
+        let (id, log_ns, data) = wire::message(record).ok()?;
+        let u = |at: usize, n: usize| {
+            let bytes = record[at..at + n].iter().rev();
+            bytes.fold(0, |sum: u64, byte| sum << 8 | u64::from(*byte))
+        };
+        let channel = match self.channels.get(&id)? {
+            Kind::Finger(finger) => format::finger_channel(*finger),
+            Kind::Events => format::EVENTS_CHANNEL,
+            Kind::Edits => format::EDITS_CHANNEL,
+            Kind::Foreign => return None,
+        };
+        Some(RawMessage {
+            channel,
+            sequence: u(2, 4) as u32,
+            log_ns,
+            publish_ns: u(14, 8),
+            data,
+        })
+    }
+
+    /// Whether a chunk so far was compressed.
+    pub(super) fn is_packed(&self) -> bool {
+        self.packed
+    }
+
     /// What is on each channel, as far as it is known.
     pub(super) fn channels(&self) -> &BTreeMap<u16, Kind> {
         &self.channels
@@ -395,6 +486,7 @@ impl Records {
                 match wire::record_in_chunk(&self.chunk, self.at) {
                     Ok((opcode, range)) => {
                         self.at = range.end;
+                        self.message = range.clone();
                         match self.interpret(opcode, range) {
                             Ok(Some(entry)) => return Ok(Some(entry)),
                             Ok(None) => {}
@@ -478,6 +570,7 @@ impl Records {
                         }
                         Ok(Messages::Unpacked(messages)) => {
                             self.chunk = messages;
+                            self.packed = true;
                             return Ok(true);
                         }
                         Err(what) => {
@@ -523,7 +616,7 @@ impl Records {
 
     /// Lenient: leaves the record at `at` and goes to the next chunk behind it.
     fn skip_from(&mut self, at: u64) -> Result<bool, SessionError> {
-        let found = self.walk.resynchronise(at + 1);
+        let found = self.walk.resynchronise(at + 1, u64::MAX);
         let found = found.map_err(|e| wire_error(&self.path, WireError::Io(e)))?;
         let until = if found {
             self.walk.next()

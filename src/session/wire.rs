@@ -155,8 +155,12 @@ impl<R: Read + Seek> Walk<R> {
                 let length = bytes.u16().and_then(|_| bytes.u32());
                 length.is_ok_and(|n| n as usize == bytes.0.len() && n % 16 == 0)
             }
-            op::METADATA => metadata(record).is_ok(),
-            op::ATTACHMENT => attachment(record).is_ok(),
+            // With nothing behind: a record that is too long hides others.
+            op::METADATA => metadata_and_rest(record).is_ok_and(|(_, rest)| rest == 0),
+            op::ATTACHMENT => attachment(record).is_ok_and(|(name, data)| {
+                let head = attachment_head(record).map(|(_, start, _)| start);
+                !name.is_empty() && head.is_ok_and(|start| start + data.len() + 4 == record.len())
+            }),
             op::DATA_END => record.len() == 4,
             _ => false,
         }
@@ -172,15 +176,15 @@ impl<R: Read + Seek> Walk<R> {
         self.record = buffer;
     }
 
-    /// Looks for the next chunk behind byte `from` and goes there. `false` when there is none: the walk is over.
+    /// Looks for the next chunk from byte `from` on, up to `until`, and goes there. `false` when there is none: the walk is over.
     ///
     /// A chunk shows by its opcode and by three lengths that agree.
-    pub(super) fn resynchronise(&mut self, from: u64) -> io::Result<bool> {
+    pub(super) fn resynchronise(&mut self, from: u64, until: u64) -> io::Result<bool> {
         const BLOCK: usize = 64 * 1024;
         const HEAD: usize = PREFIX + CHUNK_HEAD + ZSTD.len();
         let mut block = vec![0; BLOCK];
         let mut start = from;
-        while start + HEAD as u64 <= self.size {
+        while start + HEAD as u64 <= self.size && start < until {
             self.input.seek(SeekFrom::Start(start))?;
             let length = (self.size - start).min(BLOCK as u64) as usize;
             self.input.read_exact(&mut block[..length])?;
@@ -316,6 +320,16 @@ pub(super) fn record_in_chunk(
     Ok((opcode, start..start + length))
 }
 
+/// Opcode and length of the content of the record that starts at byte `at` of a file.
+pub(super) fn prefix_at<R: Read + Seek>(input: &mut R, at: u64) -> io::Result<(u8, u64)> {
+    input.seek(SeekFrom::Start(at))?;
+    let mut prefix = [0; PREFIX];
+    input.read_exact(&mut prefix)?;
+    let length = prefix[1..].iter().rev();
+    let length = length.fold(0, |sum, byte| sum << 8 | u64::from(*byte));
+    Ok((prefix[0], length))
+}
+
 /// The record that starts at byte `at` of a file: its opcode and its content.
 pub(super) fn record_at<R: Read + Seek>(
     input: &mut R,
@@ -361,6 +375,12 @@ pub(super) fn channel(record: &[u8]) -> Result<(u16, String), String> {
 
 /// A metadata record's name and entries.
 pub(super) fn metadata(record: &[u8]) -> Result<(String, BTreeMap<String, String>), String> {
+    metadata_and_rest(record).map(|(found, _)| found)
+}
+
+/// As [`metadata`], and how many bytes are left behind it.
+#[allow(clippy::type_complexity, reason = "what it says")]
+fn metadata_and_rest(record: &[u8]) -> Result<((String, BTreeMap<String, String>), usize), String> {
     let mut bytes = Bytes(record);
     let name = bytes.text()?.to_owned();
     let length = bytes.u32()? as usize;
@@ -370,7 +390,7 @@ pub(super) fn metadata(record: &[u8]) -> Result<(String, BTreeMap<String, String
         let key = entries.text()?.to_owned();
         map.insert(key, entries.text()?.to_owned());
     }
-    Ok((name, map))
+    Ok(((name, map), bytes.0.len()))
 }
 
 /// Name of an attachment, the byte of the record that its content starts at, and the length of that.

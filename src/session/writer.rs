@@ -1,12 +1,13 @@
 //! Writing a session, synchronously.
 
 use super::SessionError;
+use super::extras::Extras;
 use super::format::{self, Edit, Event};
-use super::header::Header;
+use super::header::{Header, with_checksum};
 use crate::servo::{FingerRecord, MAX_FINGERS};
 use crate::units::{NS_PER_S, s_from_ns};
 use mcap::records::{MessageHeader, Metadata};
-use mcap::{Attachment, McapError, McapResult, WriteOptions, Writer};
+use mcap::{Attachment, Compression, McapError, McapResult, WriteOptions, Writer};
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Seek, SeekFrom, Write};
@@ -172,6 +173,19 @@ impl SessionWriter<File> {
     /// # Errors
     /// The header is not writable, the file is already there ([`IfExists::Refuse`]), or the system refuses to write.
     pub fn create(path: &Path, header: &Header, if_exists: IfExists) -> Result<Self, SessionError> {
+        Self::create_with(path, header, &Extras::of_this_machine(), if_exists)
+    }
+
+    /// As [`Self::create`], with the mesh and whatever else is to travel with the session.
+    ///
+    /// # Errors
+    /// As [`Self::create`].
+    pub fn create_with(
+        path: &Path,
+        header: &Header,
+        extras: &Extras,
+        if_exists: IfExists,
+    ) -> Result<Self, SessionError> {
         header.to_map()?;
         let mut options = OpenOptions::new();
         options.write(true);
@@ -182,7 +196,7 @@ impl SessionWriter<File> {
         let file = options
             .open(path)
             .map_err(|source| io_error(path, source))?;
-        Self::on(file, path, header)
+        Self::with_extras(file, path, header, extras)
     }
 }
 
@@ -192,7 +206,15 @@ impl<S: Store> SessionWriter<S> {
     /// # Errors
     /// As [`SessionWriter::create`].
     pub fn on(store: S, path: &Path, header: &Header) -> Result<Self, SessionError> {
-        let metadata = header.to_map()?;
+        Self::with_extras(store, path, header, &Extras::of_this_machine())
+    }
+
+    fn with_extras(
+        store: S,
+        path: &Path,
+        header: &Header,
+        extras: &Extras,
+    ) -> Result<Self, SessionError> {
         let started_ns = header.started_ns()?;
         let store = Arc::new(store);
         let appended = Arc::new(AtomicU64::new(0));
@@ -204,7 +226,7 @@ impl<S: Store> SessionWriter<S> {
             held: Arc::clone(&held),
             largest: 0,
         };
-        let mcap = begin(sink, header, metadata, started_ns).map_err(|e| failed(path, e))?;
+        let mcap = begin(sink, header, extras, None)?.map_err(|e| failed(path, e))?;
         let now = Instant::now();
         Ok(Self {
             mcap: Some(mcap),
@@ -360,7 +382,10 @@ impl<S: Store> SessionWriter<S> {
         }
         let metadata = header.to_map()?;
         let started_ns = self.started_ns;
-        self.attempt(|mcap| about(mcap, header, metadata, started_ns))
+        self.attempt(|mcap| {
+            about(mcap, header, metadata.clone(), started_ns)?;
+            about(mcap, header, metadata, started_ns)
+        })
     }
 
     fn put(
@@ -470,21 +495,43 @@ impl<S: Store> SessionWriter<S> {
 
 /// Writes all that precedes the ticks. The first chunk, with schemas and channels only, is closed at once: what is killed
 /// right after its start is a readable, empty session.
-fn begin<S: Store>(
-    sink: Sink<S>,
+pub(super) fn begin<W: Write + Seek>(
+    sink: W,
     header: &Header,
+    extras: &Extras,
+    compression: Option<Compression>,
+) -> Result<McapResult<Writer<W>>, SessionError> {
+    let metadata = header.to_map()?;
+    let started_ns = header.started_ns()?;
+    Ok(begun(
+        sink,
+        header,
+        extras,
+        compression,
+        metadata,
+        started_ns,
+    ))
+}
+
+fn begun<W: Write + Seek>(
+    sink: W,
+    header: &Header,
+    extras: &Extras,
+    compression: Option<Compression>,
     metadata: BTreeMap<String, String>,
     started_ns: u64,
-) -> McapResult<Writer<Sink<S>>> {
+) -> McapResult<Writer<W>> {
     let options = WriteOptions::new()
-        .compression(None)
+        .compression(compression)
+        .compression_threads(0)
         .chunk_size(Some(CHUNK_BYTES))
         .profile(format::PROFILE)
         .library(concat!("dorsum ", env!("CARGO_PKG_VERSION")))
         // A chunk is built in memory and appended whole: the file never holds one with a blank header.
         .disable_seeking(true);
     let mut mcap = options.create(sink)?;
-    about(&mut mcap, header, metadata, started_ns)?;
+    extras.write(&mut mcap, started_ns)?;
+    about(&mut mcap, header, metadata.clone(), started_ns)?;
     let schemas = format::file_descriptor_set();
     let tick = mcap.add_schema(format::TICK_SCHEMA, "protobuf", &schemas)?;
     let event = mcap.add_schema(format::EVENT_SCHEMA, "protobuf", &schemas)?;
@@ -502,19 +549,22 @@ fn begin<S: Store>(
         mcap.add_channel_with_id(id, schema, topic, "protobuf", &BTreeMap::new())?;
     }
     mcap.flush()?;
+    // A second time, in case that the first is damaged one day.
+    about(&mut mcap, header, metadata, started_ns)?;
+    mcap.flush()?;
     Ok(mcap)
 }
 
 /// Writes what the run is: metadata and scenario.
-fn about<S: Store>(
-    mcap: &mut Writer<Sink<S>>,
+fn about<W: Write + Seek>(
+    mcap: &mut Writer<W>,
     header: &Header,
     metadata: BTreeMap<String, String>,
     started_ns: u64,
 ) -> McapResult<()> {
     mcap.write_metadata(&Metadata {
         name: format::METADATA.into(),
-        metadata,
+        metadata: with_checksum(metadata),
     })?;
     mcap.attach(&Attachment {
         log_time: started_ns,
@@ -525,14 +575,14 @@ fn about<S: Store>(
     })
 }
 
-fn io_error(path: &Path, source: io::Error) -> SessionError {
+pub(super) fn io_error(path: &Path, source: io::Error) -> SessionError {
     SessionError::Io {
         path: path.to_owned(),
         source,
     }
 }
 
-fn failed(path: &Path, error: McapError) -> SessionError {
+pub(super) fn failed(path: &Path, error: McapError) -> SessionError {
     let source = match error {
         McapError::Io(source) => source,
         other => io::Error::other(other.to_string()),

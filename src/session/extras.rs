@@ -1,0 +1,158 @@
+//! What travels with a session beside header and ticks: the mesh, calibrations, facts of the machine.
+
+use super::SessionError;
+use super::format;
+use super::header::Header;
+use super::reader::wire_error;
+use super::wire::{self, WireError};
+use mcap::records::{Metadata, op};
+use mcap::{Attachment, McapResult, Writer};
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufReader, Seek, Write};
+use std::path::Path;
+use std::sync::Arc;
+
+/// What a session may carry beside what every session has.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Extras {
+    /// The mesh file that the surface was made from, as it was; `None` for a built-in surface, which needs none.
+    pub mesh: Option<Arc<[u8]>>,
+    /// How each finger's device was calibrated, in its own words; empty where it says nothing.
+    pub calibrations: Vec<String>,
+    /// Facts of the machine that recorded it, clock first: keys `clock`, `clock_step_ns`, `os`, `arch`, `cores`.
+    pub host: BTreeMap<String, String>,
+}
+
+impl Extras {
+    /// No mesh and no calibration; the facts of the machine at hand.
+    pub fn of_this_machine() -> Self {
+        let clock = if cfg!(target_os = "linux") {
+            "CLOCK_MONOTONIC"
+        } else {
+            "monotonic"
+        };
+        let cores = std::thread::available_parallelism().map_or(0, usize::from);
+        let facts = [
+            ("clock", clock.to_owned()),
+            ("clock_step_ns", clock_step_ns().to_string()),
+            ("os", std::env::consts::OS.to_owned()),
+            ("arch", std::env::consts::ARCH.to_owned()),
+            ("cores", cores.to_string()),
+        ];
+        Self {
+            host: facts.map(|(key, value)| (key.to_owned(), value)).into(),
+            ..Self::default()
+        }
+    }
+
+    /// As they are, and the mesh file of a surface that is not built in: `path` is where it lies.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn with_mesh_file(self, path: &Path) -> Result<Self, SessionError> {
+        let bytes = std::fs::read(path).map_err(|e| wire_error(path, WireError::Io(e)))?;
+        Ok(Self {
+            mesh: Some(bytes.into()),
+            ..self
+        })
+    }
+
+    /// Writes them: before all else.
+    pub(super) fn write<W: Write + Seek>(
+        &self,
+        mcap: &mut Writer<W>,
+        started_ns: u64,
+    ) -> McapResult<()> {
+        if !self.host.is_empty() {
+            mcap.write_metadata(&Metadata {
+                name: format::HOST_METADATA.into(),
+                metadata: self.host.clone(),
+            })?;
+        }
+        let said = (0..).zip(&self.calibrations);
+        let said = said.filter(|(_, text)| !text.is_empty());
+        let said: BTreeMap<_, _> = said
+            .map(|(i, text): (usize, _)| (calibration_key(i), text.clone()))
+            .collect();
+        if !said.is_empty() {
+            mcap.write_metadata(&Metadata {
+                name: format::CALIBRATION_METADATA.into(),
+                metadata: said,
+            })?;
+        }
+        if let Some(mesh) = &self.mesh {
+            mcap.attach(&Attachment {
+                log_time: started_ns,
+                create_time: started_ns,
+                name: format::MESH.into(),
+                media_type: "application/octet-stream".into(),
+                data: (&**mesh).into(),
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Reads them from the records before the first chunk.
+    pub(super) fn read(path: &Path, header: &Header) -> Result<Self, SessionError> {
+        let mut extras = Self::default();
+        let file = File::open(path).map_err(|e| wire_error(path, WireError::Io(e)))?;
+        let mut file = BufReader::new(file);
+        let mut at = mcap::MAGIC.len() as u64;
+        while let Ok((opcode, length)) = wire::prefix_at(&mut file, at) {
+            if opcode == op::CHUNK {
+                break;
+            }
+            if matches!(opcode, op::METADATA | op::ATTACHMENT) {
+                match wire::record_at(&mut file, at) {
+                    Ok((opcode, record)) => extras.take(opcode, &record, header.n_fingers()),
+                    Err(WireError::Io(e)) => return Err(wire_error(path, WireError::Io(e))),
+                    Err(WireError::Damaged(..)) => break,
+                }
+            }
+            at = match at.checked_add(wire::PREFIX as u64 + length) {
+                Some(next) if length > 0 => next,
+                _ => break,
+            };
+        }
+        Ok(extras)
+    }
+
+    fn take(&mut self, opcode: u8, record: &[u8], n_fingers: usize) {
+        if opcode == op::ATTACHMENT {
+            if let Ok((name, data)) = wire::attachment(record)
+                && name == format::MESH
+            {
+                self.mesh = Some(data.into());
+            }
+            return;
+        }
+        match wire::metadata(record) {
+            Ok((name, entries)) if name == format::HOST_METADATA => self.host = entries,
+            Ok((name, entries)) if name == format::CALIBRATION_METADATA => {
+                let said = (0..n_fingers).map(|i| entries.get(&calibration_key(i)).cloned());
+                self.calibrations = said.map(Option::unwrap_or_default).collect();
+            }
+            _ => {}
+        }
+    }
+}
+
+fn calibration_key(finger: usize) -> String {
+    format!("finger.{finger}.calibration")
+}
+
+/// The least step of the clock that ticks are timed by, as seen here, ns.
+fn clock_step_ns() -> u128 {
+    use std::time::Instant;
+    let step = |_| {
+        let began = Instant::now();
+        loop {
+            let step = began.elapsed().as_nanos();
+            if step > 0 {
+                return step;
+            }
+        }
+    };
+    (0..16).map(step).min().unwrap_or(0)
+}
