@@ -1,7 +1,7 @@
 //! The families of devices: one file each and one line in [`all`].
 
 use super::calibration::CalibrationError;
-use super::{Calibration, Capabilities, Device};
+use super::{Calibration, Capabilities, Device, hid};
 use std::fmt;
 
 /// How far a family was tested.
@@ -141,7 +141,13 @@ pub trait Family: Sync {
 
 /// Every family, in the order that people see them.
 pub fn all() -> &'static [&'static dyn Family] {
-    &[]
+    static ALL: [&dyn Family; 4] = [
+        &hid::arms::WOODEN,
+        &hid::arms::POLHEM,
+        &hid::arms::TEENSY,
+        &hid::spacemouse::FAMILY,
+    ];
+    &ALL
 }
 
 /// The family called `key`.
@@ -160,6 +166,37 @@ mod tests {
             title: "F".into(),
             serial: serial.map(Into::into),
             note: None,
+        }
+    }
+
+    #[test]
+    fn every_family_has_a_name_of_its_own_and_defaults_that_its_file_holds() {
+        let mut keys: Vec<_> = all().iter().map(|f| f.key()).collect();
+        let n = keys.len();
+        keys.sort_unstable();
+        keys.dedup();
+        assert_eq!(keys.len(), n);
+        for family in all() {
+            let key = family.key();
+            assert!(by_key(key).is_some());
+            let defaults = family.defaults();
+            let known = |k: &str| by_key(k).map(|f| f.defaults());
+            let back = Calibration::parse(&defaults.to_toml(), key, known);
+            assert_eq!(back.as_ref(), Ok(&defaults), "{key}");
+            let c = family.capabilities(&defaults);
+            assert!(
+                !c.name.is_empty() && c.position_axes <= 3 && c.force_axes <= 3,
+                "{key}"
+            );
+            assert_eq!(c.rated_force_n > 0.0, c.force_axes > 0, "{key}");
+            assert!(c.continuous_force_n <= c.rated_force_n, "{key}");
+            for text in [family.title(), family.about(), family.reached()] {
+                assert!(!text.is_empty() && !text.contains('\n'), "{key}");
+            }
+            // Nothing is attached where tests run; looking for it must not fail or hang.
+            for found in family.find() {
+                assert_eq!(found.family, key);
+            }
         }
     }
 

@@ -7,6 +7,7 @@ pub mod calibration;
 mod family;
 pub mod figures;
 pub mod hid;
+pub mod mapped;
 pub mod mouse;
 pub mod null;
 pub mod replay;
@@ -15,6 +16,8 @@ pub mod scripted;
 use crate::geom::Vec3;
 pub use calibration::Calibration;
 pub use family::{DeviceError, Family, Found, Proof, all, by_key};
+pub use hid::vitals::Vitals;
+use std::sync::Arc;
 
 /// Most fingers at once.
 pub const MAX_FINGERS: usize = 4;
@@ -110,5 +113,10 @@ pub trait Device: Send {
     /// Zero force, then let go. Called once, also on the way out of a panic.
     fn close(&mut self) {
         self.write(Vec3::ZERO);
+    }
+
+    /// What its link tells about itself; `None` for a device without one.
+    fn vitals(&self) -> Option<Arc<Vitals>> {
+        None
     }
 }

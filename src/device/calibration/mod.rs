@@ -64,8 +64,8 @@ impl Default for Guards {
     fn default() -> Self {
         Self {
             command_timeout_ms: 10.0,
-            silence_ms: 20.0,
-            frozen_ms: 20.0,
+            silence_ms: 10.0,
+            frozen_ms: 10.0,
             jump_mm: 5.0,
             max_speed_mm_s: 3000.0,
             against_force_mm_s: 400.0,

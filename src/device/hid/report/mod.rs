@@ -3,6 +3,7 @@
 //! Numbers are little-endian and signed, 16 bits, unless said otherwise. A report that is not of the right length decodes
 //! to `None`; nothing here panics, whatever the bytes.
 
+pub mod descriptor;
 pub mod polhem;
 pub mod spacemouse;
 pub mod teensy;
