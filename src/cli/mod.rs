@@ -6,6 +6,8 @@
 mod common;
 mod count;
 mod deform;
+mod devices;
+mod emulate;
 mod headless;
 mod lab;
 mod map;
@@ -96,6 +98,11 @@ enum Command {
     Lab(lab::LabArgs),
     /// Do an exercise with a simulated observer, write score sheets, fit psychometric functions.
     Train(train::TrainArgs),
+    /// Tell which haptic devices are known and attached, what they can do, whether the loop with them holds.
+    Devices(devices::DevicesArgs),
+    /// Be an emulated device; `devices --emulator` starts it.
+    #[command(name = crate::device::hid::emulator::SUBCOMMAND, hide = true)]
+    Emulate(emulate::EmulateArgs),
     /// Count one case of `lab pruning`; the lab starts it.
     #[command(name = crate::lab::pruning::SUBCOMMAND, hide = true)]
     Count,
@@ -143,6 +150,8 @@ pub fn main() -> u8 {
         Some(Command::Deform(args)) => deform::run(args, json),
         Some(Command::Lab(args)) => lab::run(args, json),
         Some(Command::Train(args)) => train::run(args, json),
+        Some(Command::Devices(args)) => devices::run(args, json),
+        Some(Command::Emulate(args)) => emulate::run(args),
         Some(Command::Count) => count::run(),
     };
     match outcome {
