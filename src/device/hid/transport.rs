@@ -54,7 +54,7 @@ fn remedy(path: &str) -> &'static str {
         .open(path)
         .is_err_and(|e| e.kind() == std::io::ErrorKind::PermissionDenied);
     if refused {
-        "; you may not open it: a udev rule that gives your group the hidraw device is needed"
+        "; you may not open it: copy assets/70-dorsum.rules to /etc/udev/rules.d, then plug it in again"
     } else {
         ""
     }
