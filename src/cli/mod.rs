@@ -12,6 +12,7 @@ mod headless;
 mod lab;
 mod map;
 mod mesh;
+mod otherwise;
 mod partition;
 mod recover;
 mod replay;

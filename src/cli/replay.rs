@@ -1,11 +1,14 @@
 //! `dorsum replay`: repeats a recorded session from its device readings and compares.
 
 use super::common::{build_scene, progress_bar};
+use super::otherwise::OtherwiseArgs;
 use super::summary::Summary;
 use super::{CliError, Outcome, print, print_json};
 use crate::scenario::{self, Scenario, Scene, Use};
 use crate::servo::Rig;
-use crate::session::{CheckReport, Damage, Edit, Header, Session, Strictness, check_edited};
+use crate::session::{
+    CheckReport, Damage, Divergence, Edit, Header, Rebuild, Session, Strictness, check_edited,
+};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -20,6 +23,8 @@ pub struct ReplayArgs {
     /// Exit with 1 unless every tick comes out as recorded, bit for bit.
     #[arg(long)]
     check: bool,
+    #[command(flatten)]
+    otherwise: OtherwiseArgs,
 }
 
 #[derive(serde::Serialize)]
@@ -34,9 +39,14 @@ struct Printed<'a> {
     triangles: usize,
     rate_hz: f64,
     devices: Vec<&'a str>,
-    summary: Summary,
-    bit_exact: bool,
-    replay: CheckReport,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    summary: Option<Summary>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bit_exact: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    replay: Option<CheckReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    otherwise: Option<Divergence>,
 }
 
 /// Repeats the session and says what it was and whether it came out the same.
@@ -46,33 +56,34 @@ struct Printed<'a> {
 pub fn run(args: &ReplayArgs, json: bool) -> Result<Outcome, CliError> {
     let session = Session::open(&args.file).map_err(CliError::input)?;
     let header = session.header();
+    args.otherwise.check(header.n_fingers())?;
     let purpose = Use {
         fingers: header.n_fingers(),
         ..Use::default()
     };
-    let scene = build_scene(scenario_of(args, header)?, purpose)?;
-    let rig = Rig::new(Box::new(scene.touch.clone()), header.limits());
+    let folder = session.folder().map_err(CliError::input)?;
+    let scene = build_scene(scenario_of(args, header, folder.path())?, purpose)?;
+    let rig = || Rig::new(Box::new(scene.touch.clone()), header.limits());
     let rebuild = |edit: &Edit| edited(args, &scene, edit, purpose).map(|s: Scene| s.touch);
     let mut summary = Summary::new(header.dt_s());
-    let bar = progress_bar(1000, "replaying    {bar:40} {percent:>3} %  {eta}");
-    // Lenient: a killed recording is replayed as far as it goes, and the report tells what is missing.
-    let report = check_edited(
-        &session,
-        rig,
-        Box::new(rebuild),
-        Strictness::Lenient,
-        |pair, done| {
-            for record in pair.recorded.fingers() {
-                summary.add(record);
-            }
-            if summary.ticks.is_multiple_of(1024) {
-                bar.set_position((done * 1000.0) as u64);
-            }
-        },
-    );
-    bar.finish_and_clear();
-    let report = report.map_err(CliError::input)?;
-    let holds = report.is_bit_exact() && report.damage.chunks == 0 && report.damage.messages == 0;
+    // Felt otherwise, there is nothing to be equal to.
+    let report = match args.otherwise.is_other() {
+        false => Some(checked(&session, rig(), Box::new(rebuild), &mut summary)?),
+        true => None,
+    };
+    let otherwise = if args.otherwise.is_wanted() {
+        // In a scenario of one's own the recorded edits mean nothing.
+        let rebuild: Option<Rebuild<'_>> = match args.scenario {
+            Some(_) => None,
+            None => Some(Box::new(rebuild)),
+        };
+        Some(args.otherwise.run(&session, rig(), rebuild)?)
+    } else {
+        None
+    };
+    let holds = report.as_ref().is_none_or(|report| {
+        report.is_bit_exact() && report.damage.chunks == 0 && report.damage.messages == 0
+    });
     let printed = Printed {
         file: &args.file,
         bytes: session.bytes(),
@@ -84,20 +95,44 @@ pub fn run(args: &ReplayArgs, json: bool) -> Result<Outcome, CliError> {
         triangles: header.mesh.triangles,
         rate_hz: header.rate_hz,
         devices: header.devices.iter().map(|d| d.name.as_str()).collect(),
-        summary,
-        bit_exact: holds,
+        summary: report.as_ref().map(|_| summary),
+        bit_exact: report.as_ref().map(|_| holds),
         replay: report,
+        otherwise,
     };
     if json {
         print_json(&printed)?;
     } else {
         tell(&printed);
+        if let Some(found) = &printed.otherwise {
+            args.otherwise.tell(found);
+        }
     }
     Ok(if holds || !args.check {
         Outcome::Done
     } else {
         Outcome::DoesNotHold
     })
+}
+
+fn checked(
+    session: &Session,
+    rig: Rig,
+    rebuild: Rebuild<'_>,
+    summary: &mut Summary,
+) -> Result<CheckReport, CliError> {
+    let bar = progress_bar(1000, "replaying    {bar:40} {percent:>3} %  {eta}");
+    // Lenient: a killed recording is replayed as far as it goes, and the report tells what is missing.
+    let report = check_edited(session, rig, rebuild, Strictness::Lenient, |pair, done| {
+        for record in pair.recorded.fingers() {
+            summary.add(record);
+        }
+        if summary.ticks.is_multiple_of(1024) {
+            bar.set_position((done * 1000.0) as u64);
+        }
+    });
+    bar.finish_and_clear();
+    report.map_err(CliError::input)
 }
 
 /// The scene after an edit. In a scenario of one's own the recorded edits mean nothing: it stays as it is.
@@ -107,20 +142,27 @@ fn edited(args: &ReplayArgs, scene: &Scene, edit: &Edit, purpose: Use) -> Result
     }
     let origin = format!("{}: edit {}", args.file.display(), edit.number);
     let folder = scene.scenario.folder.as_deref();
-    let scenario = Scenario::parse(&edit.scenario_toml, &origin, folder);
+    let text = args.otherwise.varied(&edit.scenario_toml)?;
+    let scenario = Scenario::parse(&text, &origin, folder);
     let scenario = scenario.map_err(|e| e.to_string())?;
     scenario::rebuild(scene, Arc::new(scenario), purpose).map_err(|e| e.to_string())
 }
 
-fn scenario_of(args: &ReplayArgs, header: &Header) -> Result<Scenario, CliError> {
-    let parsed = match &args.scenario {
-        Some(path) => Scenario::load(path),
+fn scenario_of(args: &ReplayArgs, header: &Header, folder: &Path) -> Result<Scenario, CliError> {
+    let (text, origin, folder) = match &args.scenario {
+        Some(path) => {
+            let scenario = Scenario::load(path).map_err(CliError::input)?;
+            let origin = path.display().to_string();
+            (scenario.source, origin, path.parent().map(Path::to_owned))
+        }
         None => {
             let origin = format!("{}: scenario", args.file.display());
-            Scenario::parse(&header.scenario_toml, &origin, args.file.parent())
+            let text = header.scenario_toml.clone();
+            (text, origin, Some(folder.to_owned()))
         }
     };
-    parsed.map_err(CliError::input)
+    let text = args.otherwise.varied(&text).map_err(CliError::input)?;
+    Scenario::parse(&text, &origin, folder.as_deref()).map_err(CliError::input)
 }
 
 fn tell(printed: &Printed<'_>) {
@@ -141,9 +183,14 @@ fn tell(printed: &Printed<'_>) {
         "surface       {surface}, {triangles} triangles"
     ));
     print(format_args!("devices       {}", printed.devices.join(", ")));
-    print(&printed.summary);
-    tell_damage(&printed.replay.damage);
-    let report = &printed.replay;
+    let (Some(report), Some(summary)) = (&printed.replay, &printed.summary) else {
+        if let Some(found) = &printed.otherwise {
+            tell_damage(&found.damage);
+        }
+        return;
+    };
+    print(summary);
+    tell_damage(&report.damage);
     if report.passed.gaps > 0 {
         let (gaps, missing) = (report.passed.gaps, report.passed.missing);
         print(format_args!(

@@ -9,7 +9,7 @@ use crate::scenario::{Scene, Use};
 use crate::servo::{self, Limits, MAX_FINGERS, Rig, ServoConfig};
 use crate::session::recorder::RecorderThread;
 use crate::session::writer::{IfExists, SessionWriter};
-use crate::session::{DeviceInfo, Header, MeshSource, build_id, utc_now};
+use crate::session::{DeviceInfo, Extras, Header, MeshSource, build_id, compress, utc_now};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc;
 use std::time::Duration;
@@ -37,6 +37,9 @@ pub struct RunArgs {
     /// Replace the file if it is there.
     #[arg(long, requires = "record")]
     overwrite: bool,
+    /// Compress the recording when it is finished.
+    #[arg(long, requires = "record")]
+    compress: bool,
     /// Run as fast as it goes instead of in real time.
     #[arg(long)]
     fast: bool,
@@ -138,6 +141,15 @@ pub fn run(args: &RunArgs, json: bool) -> Result<Outcome, CliError> {
     } else {
         plan.run_live(&scene, target)?
     };
+    if let Some(path) = args.record.as_deref().filter(|_| args.compress) {
+        let bar = progress_bar(1000, "compressing  {bar:40} {percent:>3} %  {eta}");
+        let compressed = compress(path, &mut |done| {
+            bar.set_position((done * 1000.0) as u64);
+            true
+        });
+        bar.finish_and_clear();
+        compressed.map_err(CliError::input)?;
+    }
     let printed = Printed {
         scenario: scene.scenario.name.clone(),
         motion,
@@ -232,7 +244,7 @@ impl Plan {
     fn run_fast(&self, scene: &Scene, target: Target<'_>) -> Result<(Summary, u64), CliError> {
         let mut writer = match target {
             Some((path, if_exists)) => Some(
-                SessionWriter::create(path, &self.header(scene), if_exists)
+                SessionWriter::create_with(path, &self.header(scene), &extras(scene)?, if_exists)
                     .map_err(CliError::input)?,
             ),
             None => None,
@@ -295,6 +307,10 @@ impl Plan {
         };
         let recorder =
             RecorderThread::spawn(lines.records, Some(Box::new(tap))).map_err(CliError::input)?;
+        recorder.carry(match target {
+            Some(_) => extras(scene)?,
+            None => Extras::default(),
+        });
         match target {
             Some((path, IfExists::Refuse)) => recorder.start(path, self.header(scene)),
             Some((path, IfExists::Replace)) => recorder.start_replacing(path, self.header(scene)),
@@ -322,6 +338,14 @@ impl Plan {
         }
         Ok((last, lost))
     }
+}
+
+/// What travels with a recording: the mesh where it is a file.
+fn extras(scene: &Scene) -> Result<Extras, CliError> {
+    let folder = scene.scenario.folder.as_deref();
+    Extras::of_this_machine()
+        .with_mesh_of(&scene.mesh_origin, folder)
+        .map_err(CliError::input)
 }
 
 const RUN_BAR: &str = "{msg:12} {bar:40} {percent:>3} %  {eta}";

@@ -10,7 +10,7 @@ use mcap::{Attachment, McapResult, Writer};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufReader, Seek, Write};
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
 /// What a session may carry beside what every session has.
@@ -46,11 +46,16 @@ impl Extras {
         }
     }
 
-    /// As they are, and the mesh file of a surface that is not built in: `path` is where it lies.
+    /// As they are, and the mesh file of a surface that is not built in: `origin` as [`MeshSource`](super::MeshSource) has it, a
+    /// path in the scenario's `folder`.
     ///
     /// # Errors
     /// The file cannot be read.
-    pub fn with_mesh_file(self, path: &Path) -> Result<Self, SessionError> {
+    pub fn with_mesh_of(self, origin: &str, folder: Option<&Path>) -> Result<Self, SessionError> {
+        if is_builtin(origin) {
+            return Ok(self);
+        }
+        let path = &folder.unwrap_or(Path::new("")).join(origin);
         let bytes = std::fs::read(path).map_err(|e| wire_error(path, WireError::Io(e)))?;
         Ok(Self {
             mesh: Some(bytes.into()),
@@ -136,6 +141,55 @@ impl Extras {
             _ => {}
         }
     }
+}
+
+/// The folder in which the scenario of a session finds its mesh.
+#[derive(Debug)]
+pub enum Folder {
+    /// That of the session file.
+    Beside(PathBuf),
+    /// One with the mesh that travelled with the session; gone once this is dropped.
+    Unpacked(tempfile::TempDir),
+}
+
+impl Folder {
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::Beside(path) => path,
+            Self::Unpacked(folder) => folder.path(),
+        }
+    }
+
+    /// The folder of a session: that of its file, unless its mesh is not there, or another one by now, and has travelled with it.
+    pub(super) fn of(path: &Path, header: &Header) -> Result<Self, SessionError> {
+        let beside = path.parent().unwrap_or(Path::new("")).to_owned();
+        let origin = Path::new(&header.mesh.origin);
+        let mut parts = origin.components();
+        let plain = parts.all(|c| matches!(c, Component::Normal(_)));
+        if is_builtin(&header.mesh.origin) || !plain {
+            return Ok(Self::Beside(beside));
+        }
+        let Some(mesh) = Extras::read(path, header)?.mesh else {
+            return Ok(Self::Beside(beside));
+        };
+        if std::fs::read(beside.join(origin)).is_ok_and(|there| there == *mesh) {
+            return Ok(Self::Beside(beside));
+        }
+        let unpack = || {
+            let folder = tempfile::tempdir()?;
+            let file = folder.path().join(origin);
+            std::fs::create_dir_all(file.parent().unwrap_or(folder.path()))?;
+            std::fs::write(file, &mesh)?;
+            Ok(folder)
+        };
+        let folder = unpack().map_err(|e| wire_error(path, WireError::Io(e)))?;
+        Ok(Self::Unpacked(folder))
+    }
+}
+
+fn is_builtin(origin: &str) -> bool {
+    origin.starts_with("builtin:")
 }
 
 fn calibration_key(finger: usize) -> String {

@@ -9,12 +9,15 @@
 //! | write beside a live servo | [`RecorderThread`] |
 //! | read, also what a killed program left | [`Session`] |
 //! | open at once and show any instant | [`Timeline`], [`Playback`] |
+//! | repeat a run otherwise, and tell how far that is off | [`diverge`] |
 //! | save what a damaged file still holds | [`recover`] |
 //! | make a finished file smaller | [`compress`] |
 //! | repeat a run and compare | [`resimulate`], [`check`] |
 
 mod compare;
+mod divergence;
 mod extras;
+mod faults;
 pub mod format;
 mod header;
 mod index;
@@ -28,7 +31,8 @@ mod wire;
 pub mod writer;
 
 pub use compare::{Difference, FieldDifference};
-pub use extras::Extras;
+pub use divergence::{Divergence, FingerOff, Off, Otherwise, Spread, diverge};
+pub use extras::{Extras, Folder};
 pub use format::{Edit, Event};
 pub use header::{DeviceInfo, Header, MeshSource, build_id, utc_now};
 pub use playback::{PLAYBACK_SPEEDS, Playback, Source};

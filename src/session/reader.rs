@@ -1,7 +1,7 @@
 //! Reading sessions, whole ones and what is left of others.
 
 use super::SessionError;
-use super::extras::Extras;
+use super::extras::{Extras, Folder};
 use super::format::{self, Edit, Event};
 use super::header::Header;
 use super::index::Summary;
@@ -111,6 +111,15 @@ impl Session {
     /// The file cannot be read.
     pub fn extras(&self) -> Result<Extras, SessionError> {
         Extras::read(&self.path, &self.header)
+    }
+
+    /// The folder in which its scenario finds its mesh: that of the file, or where the mesh is not there any more one that the mesh
+    /// is unpacked into from the session. To be kept while the scene is built.
+    ///
+    /// # Errors
+    /// The file cannot be read, or the mesh cannot be unpacked.
+    pub fn folder(&self) -> Result<Folder, SessionError> {
+        Folder::of(&self.path, &self.header)
     }
 
     /// Size of the file, bytes.

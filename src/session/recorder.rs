@@ -1,6 +1,8 @@
 //! The recorder: a thread that owns the servo's ring for its whole life and writes it to a file when asked.
 
 use super::SessionError;
+use super::extras::Extras;
+use super::faults::Faults;
 use super::header::Header;
 use super::writer::{IfExists, RecordingSummary, SessionWriter};
 use crate::servo::FingerRecord;
@@ -74,6 +76,7 @@ enum Order {
     Hold(bool, SyncSender<()>),
     Mark(String, String),
     Swap(Consumer<FingerRecord>),
+    Carry(Box<Extras>),
     Quit,
 }
 
@@ -90,6 +93,9 @@ pub struct RecorderThread {
     known: VecDeque<EditText>,
     status: Arc<Mutex<RecorderStatus>>,
     writer: Option<SessionWriter>,
+    /// What every recording begun carries.
+    extras: Extras,
+    faults: Faults,
     /// What is felt now does not belong into the file.
     held: bool,
     batch: Vec<FingerRecord>,
@@ -118,6 +124,8 @@ impl RecorderThread {
             known: VecDeque::new(),
             status: Arc::clone(&status),
             writer: None,
+            extras: Extras::of_this_machine(),
+            faults: Faults::default(),
             held: false,
             batch: vec![FingerRecord::default(); BATCH],
         };
@@ -151,6 +159,7 @@ impl RecorderThread {
                     let _ = reply.send(());
                 }
                 Ok(Order::Mark(kind, text)) => self.write(|w| w.event(&kind, &text)),
+                Ok(Order::Carry(extras)) => self.extras = *extras,
                 Ok(Order::Swap(records)) => {
                     self.records = records;
                     if let Some(writer) = &mut self.writer {
@@ -184,7 +193,14 @@ impl RecorderThread {
             }
             let batch = std::mem::take(&mut self.batch);
             if !self.held {
-                self.write(|w| batch[..n].iter().try_for_each(|r| w.write(r)));
+                let mut faults = std::mem::take(&mut self.faults);
+                self.write(|w| {
+                    batch[..n].iter().try_for_each(|r| {
+                        w.write(r)?;
+                        faults.seen(r, |kind, text| w.event(kind, text))
+                    })
+                });
+                self.faults = faults;
             }
             if let Some(newest) = batch[..n].last() {
                 self.forget_edits_before(newest);
@@ -242,7 +258,8 @@ impl RecorderThread {
                 "is recording already; stop it first".into(),
             ));
         }
-        let mut writer = SessionWriter::create(path, header, if_exists)?;
+        let mut writer = SessionWriter::create_with(path, header, &self.extras, if_exists)?;
+        self.faults = Faults::default();
         for (number, scenario_toml) in &self.known {
             if *number > header.edit {
                 writer.edit(*number, scenario_toml)?;
@@ -385,6 +402,12 @@ impl RecorderHandle {
         let (reply, answer) = sync_channel(1);
         self.order(Order::Hold(hold, reply))?;
         wait(&answer)
+    }
+
+    /// What every recording begun from now on carries, such as its mesh; before it is told, the facts of this machine.
+    pub fn carry(&self, extras: Extras) {
+        // A recorder that has ended records nothing.
+        let _ = self.order(Order::Carry(Box::new(extras)));
     }
 
     /// Writes an event at the newest tick; nothing happens when nothing is recorded. Never waits: `false` when the disk is
