@@ -26,7 +26,7 @@ pub enum Strictness {
 }
 
 /// What a lenient reading stepped over.
-#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Damage {
     /// The file has no proper end: the recording was killed, or its tail is gone.
     pub unfinished: bool,

@@ -1,1 +1,68 @@
 //! What recorded sessions tell: measures of one session, differences between two, agreement and groups of many.
+//!
+//! | part | answers |
+//! |---|---|
+//! | [`analyse()`](analyse()) | what one file tells: a pure function of it, in one pass, in memory that does not grow with its length |
+//! | [`metrics`] | the list of measures that tables, panels and reports loop over |
+//! | [`phases`], [`presses`], [`felt`] | search and palpation, pressing and stroking, the stiffness felt at a site |
+//! | [`smooth`] | SPARC and jerk of a movement |
+
+mod analyse;
+pub mod felt;
+mod frame;
+pub mod metrics;
+mod options;
+pub mod phases;
+pub mod presses;
+pub mod smooth;
+pub mod stats;
+mod sum;
+#[cfg(test)]
+pub(crate) mod tests;
+mod told;
+
+pub use analyse::analyse;
+pub use felt::Felt;
+pub use metrics::{METRICS, Metric, Metrics};
+pub use options::{NamedPlace, Options, PhaseRule, PressRule};
+pub use phases::{Phase, PhaseKind};
+pub use presses::{Press, PressKind};
+pub use told::{About, Analysis, Dwell, FingerAnalysis};
+
+use crate::session::SessionError;
+use std::path::PathBuf;
+
+/// Why a session could not be studied.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// The file cannot be read.
+    #[error("{0}")]
+    Session(#[from] SessionError),
+    /// A trial that was not answered.
+    #[error(
+        "{path}: a trial that was not answered stays sealed: nothing of how it was felt is told"
+    )]
+    Sealed {
+        /// Which file.
+        path: PathBuf,
+    },
+    /// An option has a value that is not allowed.
+    #[error("{option} is {value}; allowed: {allowed}")]
+    Option {
+        /// Which.
+        option: &'static str,
+        /// Its value.
+        value: String,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// There is not enough to tell from.
+    #[error("{0}")]
+    TooLittle(String),
+    /// A report or table could not be made.
+    #[error("{0}")]
+    Output(String),
+    /// `progress` said stop.
+    #[error("cancelled")]
+    Stopped,
+}

@@ -57,11 +57,21 @@ impl Ground {
     pub fn new(
         corners_mm: [Vec2; 2],
         candidates_mm: Vec<Vec2>,
+        is_skin: impl FnMut(Vec2) -> bool,
+    ) -> Self {
+        Self::with_cells(corners_mm, CELL_MM, candidates_mm, is_skin)
+    }
+
+    /// The same with cells of another size; larger ones are taken for a surface that would have more than 256 along an edge.
+    pub fn with_cells(
+        corners_mm: [Vec2; 2],
+        cell_mm: f64,
+        candidates_mm: Vec<Vec2>,
         mut is_skin: impl FnMut(Vec2) -> bool,
     ) -> Self {
         let [a, b] = corners_mm.map(|c| if c.is_finite() { c } else { Vec2::ZERO });
         let (least_mm, size) = (a.min(b), (b - a).abs());
-        let cell_mm = CELL_MM.max(size.max_element() / MOST_CELLS as f64);
+        let cell_mm = cell_mm.max(size.max_element() / MOST_CELLS as f64);
         let count = |length: f64| (libm::ceil(length / cell_mm) as usize).clamp(1, MOST_CELLS);
         let (columns, rows) = (count(size.x), count(size.y));
         let mut skin = Vec::with_capacity(columns * rows);
@@ -88,6 +98,21 @@ impl Ground {
         Self::new(corners, candidates_mm, |at| {
             scene.height_mm(at.x, at.y).is_some()
         })
+    }
+
+    /// Cells that count as skin.
+    pub fn skin_cells(&self) -> usize {
+        self.skin.iter().filter(|&&s| s).count()
+    }
+
+    /// Their area on the map plane, mm².
+    pub fn skin_mm2(&self) -> f64 {
+        self.skin_cells() as f64 * self.cell_mm * self.cell_mm
+    }
+
+    /// Whether the cell there counts as skin; none beside the ground does.
+    pub fn is_skin(&self, at: Vec2) -> bool {
+        self.cell(at).is_some_and(|cell| self.skin[cell])
     }
 
     fn cell(&self, at: Vec2) -> Option<usize> {
@@ -214,7 +239,7 @@ impl Palpation {
 
     /// What there is to tell so far.
     pub fn facts(&self) -> Facts {
-        let skin = self.ground.skin.iter().filter(|&&s| s).count();
+        let skin = self.ground.skin_cells();
         let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
         Facts {
             coverage: share(self.n_touched as f64, skin as f64),
