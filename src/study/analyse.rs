@@ -6,13 +6,13 @@ use super::phases::{Joiner, PhaseKind, Segmenter, at as phase_at};
 use super::presses::Detector;
 use super::smooth::Smoothness;
 use super::sum::{Covered, Scale, Total};
-use super::told::{About, Analysis, Dwell, FingerAnalysis};
+use super::told::{About, Analysis, Dwell, FingerAnalysis, MOST_EVENTS, Moment};
 use super::{Options, StudyError};
 use crate::geom::Vec2;
 use crate::scenario::dysfunction::Tenderness;
 use crate::scenario::{self, Scenario, Use};
 use crate::servo::FingerRecord;
-use crate::session::{Entry, Session, Strictness};
+use crate::session::{Entry, Event, Session, Strictness};
 use crate::training::Ground;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -56,10 +56,7 @@ pub fn analyse(
                 tender.read(edit.number, &edit.scenario_toml, folder);
             }
             Entry::Event(event) => {
-                pass.about.events += 1;
-                if event.kind == "restart" {
-                    pass.restarted();
-                }
+                pass.event(event);
             }
         }
         n += 1;
@@ -132,6 +129,7 @@ struct Finger {
     detector: Detector,
     totals: [Total; 3],
     ticks: u64,
+    first_contact_tick: Option<u64>,
 }
 
 struct Pass<'a> {
@@ -142,6 +140,7 @@ struct Pass<'a> {
     first_tick: Option<u64>,
     cells: BTreeMap<[i32; 2], Cell>,
     smoothness: Smoothness,
+    events: Vec<Moment>,
 }
 
 impl<'a> Pass<'a> {
@@ -155,6 +154,7 @@ impl<'a> Pass<'a> {
             first_tick: None,
             cells: BTreeMap::new(),
             smoothness: Smoothness::default(),
+            events: Vec::new(),
         }
     }
 
@@ -175,13 +175,32 @@ impl<'a> Pass<'a> {
                 detector: Detector::new(&options.presses, first, 1.0 / rate_hz),
                 totals: Default::default(),
                 ticks: 0,
+                first_contact_tick: None,
             }
         });
         finger.ticks += 1;
         let felt = Touched::of(record);
+        if felt.is_some() && finger.first_contact_tick.is_none() {
+            finger.first_contact_tick = Some(record.tick.saturating_sub(first));
+        }
         finger.detector.add(record.tick, felt);
         if let Some(frame) = finger.framer.add(record, felt, tender) {
             self.frame(number, frame);
+        }
+    }
+
+    fn event(&mut self, event: Event) {
+        self.about.events += 1;
+        let first = self.first_tick.unwrap_or(event.tick);
+        if event.kind == "restart" {
+            self.restarted();
+        }
+        if self.events.len() < MOST_EVENTS {
+            self.events.push(Moment {
+                time_s: event.tick.saturating_sub(first) as f64 * self.dt_s,
+                kind: event.kind,
+                text: event.text,
+            });
         }
     }
 
@@ -286,6 +305,9 @@ impl<'a> Pass<'a> {
             let palpation = of(PALPATION, Some(PhaseKind::Palpation));
             fingers.push(FingerAnalysis {
                 finger: number as u8,
+                first_contact_s: finger
+                    .first_contact_tick
+                    .map(|tick| tick as f64 * self.dt_s),
                 whole,
                 search,
                 palpation,
@@ -324,6 +346,7 @@ impl<'a> Pass<'a> {
             palpation,
             felt,
             fingers,
+            events: self.events,
             force_bands_n: options.force_bands_n.clone(),
             damage: Default::default(),
         }

@@ -6,6 +6,7 @@
 //! | [`metrics`] | the list of measures that tables, panels and reports loop over |
 //! | [`phases`], [`presses`], [`felt`] | search and palpation, pressing and stroking, the stiffness felt at a site |
 //! | [`smooth`] | SPARC and jerk of a movement |
+//! | [`stats`] | agreement of series, differences of groups |
 
 mod analyse;
 pub mod felt;
@@ -19,7 +20,7 @@ pub mod stats;
 mod sum;
 #[cfg(test)]
 pub(crate) mod tests;
-mod told;
+pub mod told;
 
 pub use analyse::analyse;
 pub use felt::Felt;
@@ -27,7 +28,7 @@ pub use metrics::{METRICS, Metric, Metrics};
 pub use options::{NamedPlace, Options, PhaseRule, PressRule};
 pub use phases::{Phase, PhaseKind};
 pub use presses::{Press, PressKind};
-pub use told::{About, Analysis, Dwell, FingerAnalysis};
+pub use told::{About, Analysis, Dwell, FingerAnalysis, Moment};
 
 use crate::session::SessionError;
 use std::path::PathBuf;

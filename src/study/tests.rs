@@ -85,7 +85,15 @@ pub(crate) fn told(path: &Path, options: &Options) -> Analysis {
 fn presses(tick: u64) -> Vec3 {
     let t = tick as f64 / 1000.0;
     let up = libm::sin(std::f64::consts::PI * t);
-    Vec3::new(27.0, 100.0, if t as u64 % 2 == 0 { -8.0 * up } else { 5.0 })
+    Vec3::new(
+        27.0,
+        100.0,
+        if (t as u64).is_multiple_of(2) {
+            -8.0 * up
+        } else {
+            5.0
+        },
+    )
 }
 
 #[test]

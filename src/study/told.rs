@@ -25,10 +25,26 @@ pub struct Analysis {
     pub felt: Vec<Felt>,
     /// Where the fingers were on the skin, and for how long.
     pub dwell: Dwell,
+    /// Marks, answers and other events in the order of time; the first [`MOST_EVENTS`].
+    pub events: Vec<Moment>,
     /// Edges of the bands that [`Metrics::band_s`] goes by, N.
     pub force_bands_n: Vec<f64>,
     /// What could not be read.
     pub damage: Damage,
+}
+
+/// Most events that are listed.
+pub const MOST_EVENTS: usize = 10_000;
+
+/// An event of the session.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Moment {
+    /// From the first tick of the session, s.
+    pub time_s: f64,
+    /// What sort, one word, such as `mark`.
+    pub kind: String,
+    /// What it says.
+    pub text: String,
 }
 
 /// What was recorded.
@@ -100,6 +116,8 @@ impl About {
 pub struct FingerAnalysis {
     /// Which, from 0.
     pub finger: u8,
+    /// When it first touched the skin, from the first tick of the session, s; absent where it never did.
+    pub first_contact_s: Option<f64>,
     /// From first to last tick.
     pub whole: Metrics,
     /// While it searched.
