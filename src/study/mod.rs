@@ -6,9 +6,11 @@
 //! | [`metrics`] | the list of measures that tables, panels and reports loop over |
 //! | [`phases`], [`presses`], [`felt`] | search and palpation, pressing and stroking, the stiffness felt at a site |
 //! | [`smooth`] | SPARC and jerk of a movement |
+//! | [`compare`] | two recordings aligned, and how far they are apart over time |
 //! | [`stats`] | agreement of series, differences of groups |
 
 mod analyse;
+pub mod compare;
 pub mod felt;
 mod frame;
 pub mod metrics;

@@ -109,7 +109,6 @@ pub fn icc(rows: &[Vec<f64>], form: IccForm) -> Option<Icc> {
         n: nf,
         k: kf,
         between,
-        within,
         judges,
         error,
     };
@@ -136,7 +135,6 @@ struct MeanSquares {
     n: f64,
     k: f64,
     between: f64,
-    within: f64,
     judges: f64,
     error: f64,
 }
