@@ -325,6 +325,7 @@ fn a_recording_on_show_cannot_be_palpated() {
         playing: false,
         speed: 1.0,
         looped: false,
+        ..dorsum::app::state::PlaybackStatus::default()
     });
     let before = window.hands[0].target_mm();
     window.move_to(400.0, 330.0);

@@ -43,6 +43,9 @@ const DRAWN: Use = Use {
     stiffness_edited: false,
     scenario_edited: false,
     listed: false,
+    browsed: false,
+    ghosts: false,
+    compared: false,
     passivity: false,
 };
 

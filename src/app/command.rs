@@ -5,6 +5,7 @@
 
 use super::bench::Wish;
 use super::messages::Level;
+use super::state::Alignment;
 use egui::{Key, KeyboardShortcut, Modifiers};
 use egui_material_icons::MaterialIcon;
 use egui_material_icons::icons as icon;
@@ -45,6 +46,31 @@ pub enum Command {
         /// The new file.
         to: PathBuf,
     },
+    /// Write what can be read of a damaged recording to a new file beside it.
+    RecoverRecording(PathBuf),
+    /// Add recordings to those that are compared, and show them.
+    Compare(Vec<PathBuf>),
+    /// Take a recording out of those that are compared.
+    Uncompare(PathBuf),
+    /// Show recordings as ghosts beside the one that is replayed.
+    AddGhosts(Vec<PathBuf>),
+    /// Take a ghost away.
+    RemoveGhost(PathBuf),
+    /// Show a ghost later, s, or earlier.
+    SetGhostOffset {
+        /// Which.
+        path: PathBuf,
+        /// By how much, s.
+        offset_s: f64,
+    },
+    /// What makes the times of the ghosts that of the open recording.
+    AlignGhosts(Alignment),
+    /// Note something in the recording that is being written.
+    Mark(String),
+    /// Give new recordings this pseudonym; none when empty.
+    SetParticipant(String),
+    /// Pause at each event of the open recording, or play past them.
+    SetFollowing(bool),
     /// Go to a time of the open recording, s.
     Seek(f64),
     /// Let time of the open recording run or stand.
@@ -82,9 +108,12 @@ pub enum Action {
     SaveRecordingAs,
     Quit,
     Record,
+    Mark,
     PlayPause,
     StepBack,
     StepForward,
+    PreviousEvent,
+    NextEvent,
     BackToLive,
     StopForce,
     AllowForce,
@@ -142,7 +171,7 @@ const fn plain(key: Key) -> Option<KeyboardShortcut> {
 
 impl Action {
     /// All of them, in the order of the menus.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 26] = [
         Self::OpenScenario,
         Self::SaveScenario,
         Self::SaveScenarioAs,
@@ -150,9 +179,12 @@ impl Action {
         Self::SaveRecordingAs,
         Self::Quit,
         Self::Record,
+        Self::Mark,
         Self::PlayPause,
         Self::StepBack,
         Self::StepForward,
+        Self::PreviousEvent,
+        Self::NextEvent,
         Self::BackToLive,
         Self::StopForce,
         Self::AllowForce,
@@ -220,6 +252,13 @@ impl Action {
                 icon::ICON_FIBER_MANUAL_RECORD,
                 ctrl(Key::R),
             ),
+            Self::Mark => (
+                Menu::Session,
+                "Mark this instant",
+                "Note this instant in the recording that is being written, to find it again",
+                icon::ICON_BOOKMARK_ADD,
+                ctrl(Key::M),
+            ),
             Self::PlayPause => (
                 Menu::Session,
                 "Play or pause",
@@ -240,6 +279,20 @@ impl Action {
                 "Go one tick on in the open recording",
                 icon::ICON_SKIP_NEXT,
                 plain(Key::Period),
+            ),
+            Self::PreviousEvent => (
+                Menu::Session,
+                "Previous event",
+                "Go back to the last mark, answer or other event of the open recording",
+                icon::ICON_FIRST_PAGE,
+                plain(Key::OpenBracket),
+            ),
+            Self::NextEvent => (
+                Menu::Session,
+                "Next event",
+                "Go on to the next mark, answer or other event of the open recording",
+                icon::ICON_LAST_PAGE,
+                plain(Key::CloseBracket),
             ),
             Self::BackToLive => (
                 Menu::Session,
@@ -346,7 +399,12 @@ impl Action {
     pub fn needs_recording(self) -> bool {
         matches!(
             self,
-            Self::PlayPause | Self::StepBack | Self::StepForward | Self::BackToLive
+            Self::PlayPause
+                | Self::StepBack
+                | Self::StepForward
+                | Self::PreviousEvent
+                | Self::NextEvent
+                | Self::BackToLive
         )
     }
 }

@@ -164,6 +164,8 @@ pub struct History {
     pyramids: Vec<[Pyramid; Channel::ALL.len()]>,
     first_tick: Option<u64>,
     last_tick: u64,
+    /// A stretch of the same past that is kept tick by tick where this one is coarse by now.
+    near: Option<Box<History>>,
 }
 
 impl Default for History {
@@ -186,7 +188,42 @@ impl History {
             pyramids: Vec::new(),
             first_tick: None,
             last_tick: 0,
+            near: None,
         }
+    }
+
+    /// Shows a stretch in finer detail from now on: `near` is of the same recording and the same times.
+    pub fn set_near(&mut self, near: Self) {
+        self.near = Some(Box::new(near));
+    }
+
+    /// The past to read between two times (s): the detail where it has all of it.
+    fn of(&self, from_s: f64, to_s: f64) -> &Self {
+        let covers = |near: &Self| {
+            let slack_s = BRIDGED as f64 / self.rate_hz;
+            let (first_s, last_s) =
+                near.span_s()
+                    .zip(self.span_s())
+                    .map_or((f64::NAN, f64::NAN), |(near, whole)| {
+                        // Beyond its own ends the whole past has nothing either.
+                        let first_s = if near.0 <= whole.0 + slack_s {
+                            f64::MIN
+                        } else {
+                            near.0
+                        };
+                        let last_s = if near.1 >= whole.1 - slack_s {
+                            f64::MAX
+                        } else {
+                            near.1
+                        };
+                        (first_s, last_s)
+                    });
+            first_s <= from_s && to_s <= last_s
+        };
+        self.near
+            .as_deref()
+            .filter(|near| covers(near))
+            .unwrap_or(self)
     }
 
     /// Adds a tick of a finger at its time since the start. Values that are not finite leave a gap.
@@ -244,11 +281,12 @@ impl History {
         max_bins: usize,
     ) -> Vec<Vec<[f64; 2]>> {
         let mut runs = Vec::new();
-        let Some(level) = self.level(finger, channel, from_s, to_s, max_bins) else {
+        let past = self.of(from_s, to_s);
+        let Some(level) = past.level(finger, channel, from_s, to_s, max_bins) else {
             return runs;
         };
         let bin_s = level.ticks_per_bin as f64 / self.rate_hz;
-        let (first, last) = self.bins_between(level, from_s, to_s);
+        let (first, last) = past.bins_between(level, from_s, to_s);
         let mut run: Vec<[f64; 2]> = Vec::new();
         let mut empty_ticks = 0;
         for bin in first..last {
@@ -288,7 +326,8 @@ impl History {
             return None;
         }
         let tick = (time_s * self.rate_hz).round() as u64;
-        self.pyramid(finger, channel)?
+        self.of(time_s, time_s)
+            .pyramid(finger, channel)?
             .levels
             .iter()
             .find_map(|level| {
@@ -301,11 +340,12 @@ impl History {
     /// Largest value of a channel over all fingers between two times (s); zero when there is none.
     pub fn largest(&self, channel: Channel, from_s: f64, to_s: f64) -> f64 {
         let mut largest: f64 = 0.0;
-        for finger in 0..self.pyramids.len() {
-            let Some(level) = self.level(finger, channel, from_s, to_s, 4096) else {
+        let past = self.of(from_s, to_s);
+        for finger in 0..past.pyramids.len() {
+            let Some(level) = past.level(finger, channel, from_s, to_s, 4096) else {
                 continue;
             };
-            let (first, last) = self.bins_between(level, from_s, to_s);
+            let (first, last) = past.bins_between(level, from_s, to_s);
             for band in (first..last).filter_map(|bin| level.get(bin)) {
                 largest = largest.max(band.max);
             }
@@ -315,12 +355,15 @@ impl History {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.pyramids
+        let near = self.near.as_ref().map_or(0, |near| near.bytes());
+        let own: usize = self
+            .pyramids
             .iter()
             .flatten()
             .flat_map(|p| &p.levels)
             .map(|l| l.bins.capacity() * size_of::<Band>())
-            .sum()
+            .sum();
+        own + near
     }
 
     fn pyramid(&self, finger: usize, channel: Channel) -> Option<&Pyramid> {
@@ -429,6 +472,33 @@ mod tests {
             "{} bytes",
             history.bytes()
         );
+    }
+
+    #[test]
+    fn detail_is_read_where_it_covers_what_is_asked_for() {
+        let mut history = History::new(1000.0);
+        for tick in 0..600_000 {
+            history.push(&record(tick, 0, (tick % 2) as f64));
+        }
+        let mut near = History::new(1000.0);
+        for tick in 100_000..160_000 {
+            near.push(&record(tick, 0, (tick % 2) as f64));
+        }
+        let points = |h: &History, from_s, to_s| -> usize {
+            h.line(0, Channel::NormalForce, from_s, to_s, 4000)
+                .iter()
+                .map(Vec::len)
+                .sum()
+        };
+        let coarse = points(&history, 120.0, 121.0);
+        history.set_near(near);
+        assert!(coarse < 100, "{coarse}");
+        assert!(points(&history, 120.0, 121.0) >= 1000);
+        // Half of it lies outside: all of it is coarse, with the same extremes.
+        assert!(points(&history, 99.5, 100.5) < 100);
+        let at = history.at(0, Channel::NormalForce, 120.001).expect("kept");
+        assert_eq!((at.min, at.max), (1.0, 1.0));
+        assert_eq!(history.largest(Channel::NormalForce, 0.0, 600.0), 1.0);
     }
 
     #[test]

@@ -78,6 +78,7 @@ impl Role {
                 (panels::scenario_editor::KEY, Home::Main),
                 (panels::exercise::KEY, Home::RightTop),
                 (panels::library::KEY, Home::RightTop),
+                (panels::sessions::KEY, Home::RightTop),
                 (PLOTS_KEY, Home::RightBottom),
             ]),
             Self::Trainee => Some(&[

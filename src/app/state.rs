@@ -6,7 +6,7 @@ use super::roles::Role;
 use super::study::SharedStudy;
 use super::theme::Theme;
 use crate::device::mouse::MouseHandle;
-use crate::geom::Vec2;
+use crate::geom::{Vec2, Vec3};
 use crate::scenario::{Item, Scene, Use};
 use crate::servo::{FingerRecord, Snapshot};
 use crate::training::{Shown, TrialRecord};
@@ -45,6 +45,12 @@ pub struct View {
     pub live: Snapshot,
     /// The recording on show; `None` while live.
     pub playback: Option<PlaybackStatus>,
+    /// Recordings overlaid on the one on show.
+    pub ghosts: Vec<GhostView>,
+    /// How they are aligned with it.
+    pub alignment: Alignment,
+    /// The recordings that are compared.
+    pub compared: Arc<Vec<PathBuf>>,
     /// What the recorder does.
     pub recorder: RecorderStatus,
     /// Memory of the servo's ring and of what drains it, bytes; 0 while no servo runs.
@@ -89,6 +95,9 @@ impl Default for View {
             fingers: Vec::new(),
             live: Snapshot::default(),
             playback: None,
+            ghosts: Vec::new(),
+            alignment: Alignment::default(),
+            compared: Arc::default(),
             recorder: RecorderStatus::default(),
             ring_bytes: 0,
             history: Arc::default(),
@@ -191,6 +200,83 @@ pub struct PlaybackStatus {
     pub speed: f64,
     /// Whether it starts over at the end.
     pub looped: bool,
+    /// Whether playing pauses at each event.
+    pub following: bool,
+    /// What happened in it, in the order written.
+    pub events: Arc<[RecordedEvent]>,
+    /// Share of it that the plots have, 0 to 1; `None` once they have all.
+    pub plotted: Option<f64>,
+    /// What is wrong with the file.
+    pub damage: Option<String>,
+}
+
+impl Default for PlaybackStatus {
+    /// At the start of a recording without a name and without length.
+    fn default() -> Self {
+        Self {
+            path: PathBuf::new(),
+            time_s: 0.0,
+            duration_s: 0.0,
+            playing: false,
+            speed: 1.0,
+            looped: false,
+            following: false,
+            events: Arc::default(),
+            plotted: None,
+            damage: None,
+        }
+    }
+}
+
+/// Something that happened while a recording was made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RecordedEvent {
+    /// Time from the start of the recording, s.
+    pub time_s: f64,
+    /// What it is: a mark, an answer, lost ticks …
+    pub kind: String,
+    /// More of it.
+    pub text: String,
+}
+
+/// What makes the times of two recordings one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Alignment {
+    /// Their starts.
+    #[default]
+    Start,
+    /// The first touch of the skin in each.
+    FirstContact,
+}
+
+/// A recording that is overlaid on the one on show.
+#[derive(Clone, Debug)]
+pub struct GhostView {
+    /// The file.
+    pub path: PathBuf,
+    /// Whose it is.
+    pub name: String,
+    /// Which of [`Theme::ghosts`] it wears.
+    pub colour: usize,
+    /// How much later the user has it shown, s.
+    pub offset_s: f64,
+    /// How much later it is shown in all, s: its own time is that of the recording on show less this.
+    pub shift_s: f64,
+    /// Its fingers; none before its start and after its end.
+    pub trails: Arc<[Trail]>,
+    /// Its plotted past, in its own time.
+    pub history: Arc<Mutex<History>>,
+    /// Share of it that the plots have, 0 to 1; `None` once they have all.
+    pub plotted: Option<f64>,
+}
+
+/// A finger of a ghost, and where it was of late.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trail {
+    /// The finger now.
+    pub now: FingerRecord,
+    /// Where it was within the last second, mm, oldest first; ends where it is.
+    pub places_mm: Vec<Vec3>,
 }
 
 /// What the recorder does.
@@ -204,8 +290,14 @@ pub struct RecorderStatus {
     pub bytes: u64,
     /// Ticks that were lost to it.
     pub lost: u64,
+    /// Why the last recording broke off.
+    pub failed: Option<String>,
+    /// Pseudonym that new recordings are given.
+    pub participant: String,
     /// Memory it holds while it records, bytes.
     pub held_bytes: usize,
+    /// Counts recordings that were finished or came otherwise into the folder.
+    pub finished: u64,
     /// Finished recordings, newest first.
     pub recent: Vec<RecentFile>,
     /// Where new recordings go.

@@ -49,6 +49,8 @@ pub struct Theme {
     pub fingers: [Color32; crate::device::MAX_FINGERS],
     /// The floor behind the skin, at the top and at the bottom.
     pub floor: [Color32; 2],
+    /// Recordings that are overlaid on another: none comes near a finger's colour.
+    pub ghosts: [Color32; 6],
     /// A tree of cells over the skin.
     pub tree: TreeColors,
 }
@@ -74,6 +76,14 @@ pub const DARK: Theme = Theme {
         Color32::from_rgb(255, 160, 150),
     ],
     floor: [Color32::from_rgb(58, 63, 70), Color32::from_rgb(30, 33, 37)],
+    ghosts: [
+        Color32::from_rgb(240, 200, 72),
+        Color32::from_rgb(118, 208, 116),
+        Color32::from_rgb(202, 150, 255),
+        Color32::from_rgb(84, 214, 206),
+        Color32::from_rgb(236, 236, 236),
+        Color32::from_rgb(190, 150, 104),
+    ],
     tree: TreeColors {
         leaf: Color32::from_rgb(64, 224, 232),
         node: Color32::from_rgb(168, 172, 178),
@@ -110,6 +120,14 @@ pub const LIGHT: Theme = Theme {
         Color32::from_rgb(236, 238, 241),
         Color32::from_rgb(198, 203, 209),
     ],
+    ghosts: [
+        Color32::from_rgb(168, 118, 0),
+        Color32::from_rgb(30, 128, 48),
+        Color32::from_rgb(122, 58, 190),
+        Color32::from_rgb(0, 128, 132),
+        Color32::from_rgb(70, 74, 80),
+        Color32::from_rgb(126, 88, 44),
+    ],
     tree: TreeColors {
         leaf: Color32::from_rgb(0, 152, 168),
         node: Color32::from_rgb(104, 108, 114),
@@ -131,6 +149,11 @@ impl Theme {
     /// Colour of finger `index`; indices past the last repeat.
     pub fn finger(&self, index: usize) -> Color32 {
         self.fingers[index % self.fingers.len()]
+    }
+
+    /// Colour of ghost `index`; indices past the last repeat.
+    pub fn ghost(&self, index: usize) -> Color32 {
+        self.ghosts[index % self.ghosts.len()]
     }
 
     /// Puts the table into `ctx`'s style.

@@ -39,6 +39,12 @@ pub struct Use {
     pub scenario_edited: bool,
     /// The Scenarios panel is open.
     pub listed: bool,
+    /// The Sessions panel is open.
+    pub browsed: bool,
+    /// Recordings are shown as ghosts.
+    pub ghosts: bool,
+    /// The Compare panel holds what it compares.
+    pub compared: bool,
     /// The passivity controller is on.
     pub passivity: bool,
 }
@@ -100,6 +106,12 @@ pub enum Item {
     ScenarioEditor,
     /// Small pictures of scenarios.
     Thumbnails,
+    /// The list of recordings with its small pictures.
+    SessionPictures,
+    /// Recordings that are overlaid on the one that is replayed.
+    Ghosts,
+    /// What the Compare panel found.
+    Comparison,
     /// Plot history.
     PlotHistory,
     /// The ring that takes every tick out of the servo.
@@ -110,7 +122,7 @@ pub enum Item {
 
 impl Item {
     /// Every part, in the order of the ledger.
-    pub const ALL: [Self; 30] = [
+    pub const ALL: [Self; 33] = [
         Self::Surface,
         Self::Bumps,
         Self::Search,
@@ -138,6 +150,9 @@ impl Item {
         Self::StiffnessEditor,
         Self::ScenarioEditor,
         Self::Thumbnails,
+        Self::SessionPictures,
+        Self::Ghosts,
+        Self::Comparison,
         Self::PlotHistory,
         Self::Ring,
         Self::Recorder,
@@ -173,6 +188,9 @@ impl Item {
             Self::StiffnessEditor => "Stiffness map editor",
             Self::ScenarioEditor => "Scenario editor",
             Self::Thumbnails => "Pictures of scenarios",
+            Self::SessionPictures => "List of sessions",
+            Self::Ghosts => "Ghosts",
+            Self::Comparison => "Comparison",
             Self::PlotHistory => "Plot history",
             Self::Ring => "Ring of ticks",
             Self::Recorder => "Recorder",
@@ -336,6 +354,15 @@ impl Item {
                 "the panel is closed",
             ),
             Self::Thumbnails => choose(purpose.listed, "scenarios panel", "the panel is closed"),
+            Self::SessionPictures => {
+                choose(purpose.browsed, "sessions panel", "the panel is closed")
+            }
+            Self::Ghosts => choose(
+                purpose.ghosts,
+                "recordings overlaid",
+                "no recording is overlaid",
+            ),
+            Self::Comparison => choose(purpose.compared, "compare panel", "nothing is compared"),
             Self::PlotHistory => choose(purpose.plotted, "plots", "no plot is open"),
             Self::Ring => choose(
                 purpose.live,

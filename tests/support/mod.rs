@@ -49,6 +49,9 @@ pub fn scene() -> Arc<Scene> {
                 stiffness_edited: false,
                 scenario_edited: false,
                 listed: false,
+                browsed: false,
+                ghosts: false,
+                compared: false,
                 passivity: false,
             };
             let scene = scenario::build(Arc::new(scenario), purpose, &mut |_, _| true);
@@ -139,8 +142,10 @@ pub fn running() -> View {
             bytes: 1_234_567,
             lost: 0,
             held_bytes: 600_000,
+            finished: 3,
             recent: recent(),
             folder: PathBuf::from("/tmp"),
+            ..RecorderStatus::default()
         },
         frame: FrameTiming {
             last_ms: 4.0,
@@ -178,6 +183,7 @@ fn replaying() -> View {
         playing: true,
         speed: 1.0,
         looped: true,
+        ..PlaybackStatus::default()
     });
     view
 }
@@ -209,6 +215,7 @@ fn faulty() -> View {
         playing: false,
         speed: f64::NAN,
         looped: false,
+        ..PlaybackStatus::default()
     });
     let mut messages = Messages::default();
     messages.tell(Level::Info, "a note");

@@ -11,6 +11,7 @@ use std::sync::{Arc, Mutex};
 pub fn blind(view: &mut View, no_history: &Arc<Mutex<History>>) {
     view.blind = true;
     view.history.clone_from(no_history);
+    view.ghosts = Vec::new();
     for record in &mut view.fingers {
         without_force(record);
     }

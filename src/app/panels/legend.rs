@@ -27,7 +27,7 @@ pub fn show(ui: &mut egui::Ui, rect: egui::Rect, theme: &Theme, entries: &[(Colo
             for &(color, text) in entries {
                 ui.horizontal(|ui| {
                     swatch(ui, color);
-                    ui.label(RichText::new(text).size(11.5));
+                    ui.add(egui::Label::new(RichText::new(text).size(11.5)).truncate());
                 });
             }
         });

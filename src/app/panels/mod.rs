@@ -12,10 +12,12 @@ mod plots;
 mod recorder;
 pub mod scenario_editor;
 mod scene;
+pub mod sessions;
 pub mod stiffness_map;
 mod timing;
 
 pub use plots::KEY as PLOTS_KEY;
+pub use recorder::KEY as RECORDER_KEY;
 pub use timing::health as timing_health;
 
 use super::command::CommandSender;
@@ -80,6 +82,7 @@ pub fn all() -> Vec<Box<dyn Panel>> {
         Box::new(exercise::ExercisePanel::default()),
         Box::new(scenario_editor::ScenarioEditorPanel::default()),
         Box::new(library::LibraryPanel::default()),
+        Box::new(sessions::SessionsPanel::default()),
     ]
 }
 

@@ -25,6 +25,18 @@ impl Workbench {
             Command::EnableForce(on) => shared.bench().enable_force(on),
             Command::OpenRecording(path) => shared.bench().open_recording(path),
             Command::CopyRecording { from, to } => shared.bench().copy_recording(&from, &to),
+            Command::RecoverRecording(path) => shared.bench().recover_recording(path),
+            Command::Compare(paths) => shared.bench().compare(paths),
+            Command::Uncompare(path) => shared.bench().uncompare(&path),
+            Command::AddGhosts(paths) => shared.bench().add_ghosts(paths),
+            Command::RemoveGhost(path) => shared.bench().remove_ghost(&path),
+            Command::SetGhostOffset { path, offset_s } => {
+                shared.bench().set_ghost_offset(&path, offset_s);
+            }
+            Command::AlignGhosts(alignment) => shared.bench().align_ghosts(alignment),
+            Command::Mark(text) => shared.bench().mark(&text),
+            Command::SetParticipant(name) => shared.bench().set_participant(name),
+            Command::SetFollowing(on) => shared.bench().set_following(on),
             Command::Seek(time_s) => shared.bench().seek(time_s),
             Command::SetPlaying(on) => shared.bench().set_playing(on),
             Command::SetSpeed(speed) => shared.bench().set_speed(speed),
@@ -74,6 +86,9 @@ impl Workbench {
                 ctx.send_viewport_cmd_to(egui::ViewportId::ROOT, egui::ViewportCommand::Close)
             }
             Action::Record => shared.bench().toggle_recording(),
+            Action::Mark => shared.bench().mark(""),
+            Action::PreviousEvent => shared.bench().seek_event(false),
+            Action::NextEvent => shared.bench().seek_event(true),
             Action::PlayPause => shared.bench().play_or_pause(),
             Action::StepBack => shared.bench().step(-1),
             Action::StepForward => shared.bench().step(1),

@@ -15,7 +15,7 @@ use super::dock::{self, Layout, Panels};
 use super::messages::Level;
 use super::panels::{self, PanelContext};
 use super::roles::Role;
-use super::state::{FrameTiming, Parts, View};
+use super::state::{FrameTiming, GhostView, PartCost, Parts, View};
 use super::study::SharedStudy;
 use super::theme::Theme;
 use crate::scenario::{Item, Use};
@@ -98,8 +98,12 @@ impl Shared {
             stiffness_edited: view.parts.has(Item::StiffnessEditor),
             scenario_edited: view.parts.has(Item::ScenarioEditor),
             listed: view.parts.has(Item::Thumbnails),
+            browsed: view.parts.has(Item::SessionPictures),
+            ghosts: !view.ghosts.is_empty(),
+            compared: view.parts.has(Item::Comparison),
             passivity: false,
         };
+        report_ghosts(&view);
         view
     }
 
@@ -111,6 +115,23 @@ impl Shared {
         };
         dock::draw(ui, slot, &cx);
     }
+}
+
+/// Tells the ledger what ghosts hold.
+fn report_ghosts(view: &View) {
+    if view.ghosts.is_empty() {
+        view.parts.remove(Item::Ghosts);
+        return;
+    }
+    let bytes = |ghost: &GhostView| {
+        let history = ghost.history.lock().unwrap_or_else(PoisonError::into_inner);
+        history.bytes()
+    };
+    let cost = PartCost {
+        bytes: view.ghosts.iter().map(bytes).sum(),
+        cost_us: None,
+    };
+    view.parts.report(Item::Ghosts, cost);
 }
 
 /// How a workbench starts.

@@ -7,6 +7,7 @@
 //! | `gesture` | what a drag, wheel or key means |
 //! | `skin` | how the fingers deform the drawn skin |
 //! | `footprints` | how far a press reaches |
+//! | `ghosts` | the fingers of overlaid recordings |
 //! | `colour`, `ramp` | what colours it, and the legend of that |
 //! | `stage` | what the paint callback needs |
 //! | [`options`] | what is shown beside the skin, kept from run to run |
@@ -21,6 +22,7 @@ mod anatomy;
 mod colour;
 mod footprints;
 mod gesture;
+mod ghosts;
 mod labels;
 mod look;
 pub mod model;
@@ -53,7 +55,7 @@ pub use stage::{SharedStage, draw_finely};
 pub(super) use toolbar::preset_text;
 
 /// Colours over the skin and what they mean.
-type Legend = Vec<(egui::Color32, &'static str)>;
+type Legend<'a> = Vec<(egui::Color32, &'a str)>;
 
 /// The Back view.
 #[derive(Default)]
@@ -214,6 +216,8 @@ impl Panel for BackView {
         if let Some((overlay, entries)) = tree {
             (picture.overlay, legend) = (overlay, entries);
         }
+        let ghosts = cx.view.ghosts.iter();
+        legend.extend(ghosts.map(|g| (cx.view.theme.ghost(g.colour), g.name.as_str())));
         self.stage.lock().set_picture(picture, ui.ctx());
         ui.painter().add(self.stage.callback(rect));
 
@@ -234,6 +238,7 @@ impl Panel for BackView {
                 focus_ring: response.has_focus() && !self.focus_by_pointer,
                 options: self.options,
                 toolbar_end: self.toolbar_end,
+                ghosts: &cx.view.ghosts,
                 exercise: cx.view.exercise.as_ref(),
             },
         );
@@ -249,7 +254,7 @@ impl Panel for BackView {
 
 /// The tree under study with its legend, where it is to be shown here too. The panel it belongs to may lie behind another
 /// tab, so it is brought up to date here as well.
-fn over_the_skin(ctx: &egui::Context, view: &View) -> Option<(Overlay, Legend)> {
+fn over_the_skin(ctx: &egui::Context, view: &View) -> Option<(Overlay, Legend<'static>)> {
     let mut study = view.study.lock();
     if !study.is_over_the_back() {
         return None;

@@ -59,7 +59,8 @@ pub fn fingers(scene: &Scene, skin: &Displacement, records: &[FingerRecord]) -> 
         .collect()
 }
 
-fn finger(scene: &Scene, skin: &Displacement, record: &FingerRecord) -> Option<Finger> {
+/// One finger near the skin; nothing for one that has been put away.
+pub fn finger(scene: &Scene, skin: &Displacement, record: &FingerRecord) -> Option<Finger> {
     let index = usize::from(record.finger);
     let contact = &record.contact;
     let hip = record.reading.position_mm;

@@ -1,5 +1,6 @@
 //! Numbers, scale, labels and the hint over the picture.
 
+use super::ghosts;
 use super::labels::{self, Wish};
 use super::model::{self, Finger};
 use super::options::Options;
@@ -8,7 +9,7 @@ use super::places;
 use super::skin::DrawnSkin;
 use crate::app::camera::Camera;
 use crate::app::render::pixels;
-use crate::app::state::ExerciseView;
+use crate::app::state::{ExerciseView, GhostView};
 use crate::app::stereo::Pane;
 use crate::app::theme::Theme;
 use crate::geom::Vec3;
@@ -34,6 +35,8 @@ pub struct Shown<'a> {
     pub options: Options,
     /// Where the toolbar ends on the right.
     pub toolbar_end: f32,
+    /// Overlaid recordings.
+    pub ghosts: &'a [GhostView],
     /// The exercise that runs.
     pub exercise: Option<&'a ExerciseView>,
 }
@@ -74,6 +77,7 @@ pub fn show(ui: &mut egui::Ui, rect: egui::Rect, shown: &Shown<'_>) {
         if let Some(exercise) = shown.exercise {
             places::show(&painter, place, shown, &pane.camera, exercise);
         }
+        ghosts::show(&painter, place, shown, &pane.camera);
         for finger in shown.fingers {
             finger_marks(&painter, place, shown, &pane.camera, finger);
         }

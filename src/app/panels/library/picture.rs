@@ -29,7 +29,8 @@ pub struct Silhouettes {
 }
 
 impl Silhouettes {
-    fn back(&self) -> Option<Arc<Silhouette>> {
+    /// That outline; nothing where it cannot be made.
+    pub fn back(&self) -> Option<Arc<Silhouette>> {
         let make = || {
             let options = BackOptions {
                 triangles: TRIANGLES,

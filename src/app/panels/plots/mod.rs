@@ -6,7 +6,8 @@ use super::{Panel, PanelContext};
 use crate::app::command::Command;
 use crate::app::history::{Channel, History};
 use crate::app::messages::clock;
-use crate::app::state::View;
+use crate::app::panels::legend::swatch;
+use crate::app::state::{GhostView, View};
 use crate::app::widgets::{empty_ui, icon_button};
 use egui_material_icons::icons as icon;
 use egui_plot::{Line, LineStyle, Plot, PlotPoint, VLine};
@@ -72,6 +73,7 @@ impl Panel for Plots {
         let time_s = cx.view.playback.as_ref().map(|p| p.time_s);
         self.range.update(span_s, time_s);
         self.toolbar_ui(ui, cx.view);
+        legend_ui(ui, cx.view);
         self.plots_ui(ui, cx, &history);
     }
 }
@@ -141,9 +143,17 @@ impl Plots {
         for (i, channel) in Channel::ALL.into_iter().enumerate() {
             header_ui(ui, cx.view, history, channel, read_s);
             let last = i + 1 == Channel::ALL.len();
-            let top = self.tops[i].update(history.largest(channel, from_s, to_s));
             let theme = &cx.view.theme;
             let bins = (ui.available_width() as usize * 2).max(64);
+            let mut largest = history.largest(channel, from_s, to_s);
+            let ghosts: Vec<_> = (cx.view.ghosts.iter())
+                .map(|ghost| {
+                    let (lines, most) = ghost_lines(ghost, channel, from_s, to_s, bins);
+                    largest = largest.max(most);
+                    (ghost, lines)
+                })
+                .collect();
+            let top = self.tops[i].update(largest);
             let plot = Plot::new(("plot", channel))
                 .height(if last { height + axis } else { height })
                 .show_axes([last, true])
@@ -172,6 +182,21 @@ impl Plots {
                             Line::new(*name, egui_plot::PlotPoints::Owned(points))
                                 .color(theme.finger(finger))
                                 .width(1.5)
+                                .allow_hover(false),
+                        );
+                    }
+                }
+                for (ghost, lines) in &ghosts {
+                    for (finger, points) in lines {
+                        let style = match finger {
+                            0 => LineStyle::Solid,
+                            _ => LineStyle::dashed_dense(),
+                        };
+                        plot.line(
+                            Line::new(&ghost.name, egui_plot::PlotPoints::Borrowed(points))
+                                .color(theme.ghost(ghost.colour))
+                                .style(style)
+                                .width(1.2)
                                 .allow_hover(false),
                         );
                     }
@@ -230,6 +255,43 @@ impl Plots {
             cx.send.send(Command::Seek(at_s));
         }
     }
+}
+
+/// The lines of a ghost in the time on show, each with its finger, and the largest value.
+fn ghost_lines(
+    ghost: &GhostView,
+    channel: Channel,
+    from_s: f64,
+    to_s: f64,
+    bins: usize,
+) -> (Vec<(usize, Vec<PlotPoint>)>, f64) {
+    let (own_from_s, own_to_s) = (from_s - ghost.shift_s, to_s - ghost.shift_s);
+    let history = ghost.history.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut lines = Vec::new();
+    for finger in 0..history.n_fingers() {
+        for run in history.line(finger, channel, own_from_s, own_to_s, bins) {
+            let points = run
+                .iter()
+                .map(|p| PlotPoint::new(p[0] + ghost.shift_s, p[1]));
+            lines.push((finger, points.collect()));
+        }
+    }
+    (lines, history.largest(channel, own_from_s, own_to_s))
+}
+
+/// Whose the lines are beside those of the fingers.
+fn legend_ui(ui: &mut egui::Ui, view: &View) {
+    if view.ghosts.is_empty() {
+        return;
+    }
+    ui.horizontal_wrapped(|ui| {
+        for ghost in &view.ghosts {
+            swatch(ui, view.theme.ghost(ghost.colour));
+            let text = egui::RichText::new(&ghost.name).size(11.5);
+            ui.add(egui::Label::new(text).truncate())
+                .on_hover_text("Overlaid: the left finger drawn out, the others dashed");
+        }
+    });
 }
 
 /// Name of a channel and the value of each finger at the cursor.

@@ -1,0 +1,554 @@
+//! The Sessions panel: the recordings of a folder, to be found, tagged, replayed and compared.
+//!
+//! | file | answers |
+//! |---|---|
+//! | [`entry`] | what there is to know of a recording without opening it |
+//! | [`shelf`] | the recordings of a folder, read on a thread of their own |
+//! | [`filter`] | which are shown, and in which order |
+//! | `list` | how they are shown |
+//! | `detail` | what is told of the current one, and what can be done with it |
+//! | [`picture`] | its thumbnail |
+
+mod detail;
+pub mod entry;
+pub mod filter;
+mod list;
+pub mod picture;
+pub mod shelf;
+
+use super::library::picture::Silhouettes;
+use super::partition::wake;
+use super::{Panel, PanelContext};
+use crate::app::command::Command;
+use crate::app::dialogs;
+use crate::app::dock::Home;
+use crate::app::state::{BuildStatus, PartCost, View};
+use crate::app::theme::Theme;
+use crate::app::widgets::{empty_ui, grouped, icon_button, named};
+use crate::scenario::Item;
+use egui::{RichText, TextureHandle, TextureOptions};
+use egui_material_icons::icons as icon;
+use entry::Entry;
+use filter::{By, Filter, Since, Sorting};
+use list::{Asked, List};
+use shelf::Shelf;
+use std::collections::{BTreeSet, HashMap};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::SystemTime;
+
+/// Key of the panel.
+pub const KEY: &str = "sessions";
+/// Thumbnails kept on the graphics card.
+const PICTURES: usize = 256;
+/// Thumbnails made in a frame: each takes about a millisecond.
+const MADE_PER_FRAME: usize = 4;
+
+/// The Sessions panel.
+#[derive(Default)]
+pub struct SessionsPanel {
+    filter: Filter,
+    sorting: Sorting,
+    /// A folder that was chosen; `None`: that of the recorder.
+    chosen: Option<PathBuf>,
+    /// Its path while it is typed.
+    typed: Option<String>,
+    inbox: Arc<Mutex<Option<PathBuf>>>,
+    list: List,
+    tags: detail::Typed,
+    held: Option<Box<Held>>,
+}
+
+/// What it holds while it is open.
+struct Held {
+    shelf: Shelf,
+    /// How many recordings had been finished when the folder was read.
+    finished: u64,
+    pictures: HashMap<PathBuf, Picture>,
+    silhouettes: Silhouettes,
+    /// The order on show, and what it was made of.
+    order: Vec<usize>,
+    made_of: Option<(u64, Filter, Sorting)>,
+    /// What the filters offer.
+    offers: Offers,
+}
+
+/// A thumbnail.
+struct Picture {
+    of: Arc<picture::Dwell>,
+    dark: bool,
+    /// `None`: there is nothing to be seen.
+    texture: Option<TextureHandle>,
+}
+
+/// Values that occur among the recordings.
+#[derive(Default)]
+struct Offers {
+    participants: BTreeSet<String>,
+    scenarios: BTreeSet<String>,
+    tags: BTreeSet<String>,
+}
+
+impl Offers {
+    fn of(entries: &[Entry]) -> Self {
+        let mut offers = Self::default();
+        for e in entries {
+            offers.participants.extend(e.participant.clone());
+            if !e.scenario.is_empty() {
+                offers.scenarios.insert(e.scenario.clone());
+            }
+            offers.tags.extend(e.tags.iter().cloned());
+        }
+        offers
+    }
+}
+
+impl Panel for SessionsPanel {
+    fn key(&self) -> &'static str {
+        KEY
+    }
+
+    fn title(&self) -> &'static str {
+        "Sessions"
+    }
+
+    fn tooltip(&self) -> &'static str {
+        "Find a recording by participant, scenario, date or tag; replay it, compare it"
+    }
+
+    fn home(&self) -> Home {
+        Home::RightTop
+    }
+
+    fn opens_at_first(&self) -> bool {
+        false
+    }
+
+    fn keep(&self) -> Option<String> {
+        let folder = self.chosen.as_ref()?.to_str()?;
+        Some(format!("folder={folder}"))
+    }
+
+    fn recall(&mut self, kept: &str) {
+        if let Some(folder) = kept.strip_prefix("folder=").filter(|f| !f.is_empty()) {
+            self.chosen = Some(PathBuf::from(folder));
+        }
+    }
+
+    fn release(&mut self, view: &View) {
+        if self.held.take().is_some() {
+            view.parts.remove(Item::SessionPictures);
+        }
+    }
+
+    fn ui(&mut self, ui: &mut egui::Ui, cx: &PanelContext<'_>) {
+        if cx.view.blind {
+            empty_ui(
+                ui,
+                icon::ICON_VISIBILITY_OFF,
+                "Hidden while the exercise runs",
+                "Earlier recordings would tell where to look",
+            );
+            return;
+        }
+        let answered = self
+            .inbox
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .take();
+        if let Some(folder) = answered {
+            self.chosen = Some(folder);
+        }
+        let folder = (self.chosen.clone()).unwrap_or_else(|| cx.view.recorder.folder.clone());
+        self.follow(ui.ctx(), cx.view, &folder);
+        self.head_ui(ui, cx, &folder);
+        self.filters_ui(ui);
+        self.body_ui(ui, cx);
+        self.report(cx.view);
+    }
+}
+
+impl SessionsPanel {
+    /// Reads the folder when it is another one, or when a recording was finished since.
+    fn follow(&mut self, ctx: &egui::Context, view: &View, folder: &Path) {
+        let finished = view.recorder.finished;
+        let current = |held: &Held| held.shelf.folder() == folder && held.finished == finished;
+        if !self.held.as_deref().is_some_and(current) {
+            self.read(ctx, folder, finished);
+        }
+        let Some(held) = &mut self.held else { return };
+        if let Some(rest) = held.shelf.poll() {
+            ctx.request_repaint_after(rest);
+        }
+        held.follow(&self.filter, self.sorting);
+    }
+
+    fn read(&mut self, ctx: &egui::Context, folder: &Path, finished: u64) {
+        let shelf = Shelf::of(folder, wake(ctx));
+        let before = self.held.take();
+        let (pictures, silhouettes) = before
+            .map(|held| (held.pictures, held.silhouettes))
+            .unwrap_or_default();
+        self.held = Some(Box::new(Held {
+            shelf,
+            finished,
+            pictures,
+            silhouettes,
+            order: Vec::new(),
+            made_of: None,
+            offers: Offers::default(),
+        }));
+    }
+
+    fn head_ui(&mut self, ui: &mut egui::Ui, cx: &PanelContext<'_>, folder: &Path) {
+        ui.horizontal(|ui| {
+            let label = ui.label("Folder");
+            let said = folder.display().to_string();
+            let mut text = self.typed.clone().unwrap_or(said);
+            let field = ui
+                .add(
+                    egui::TextEdit::singleline(&mut text)
+                        .desired_width((ui.available_width() - 112.0).max(60.0)),
+                )
+                .labelled_by(label.id)
+                .on_hover_text(
+                    "Whose recordings are listed; Enter takes it. Empty: that of the recorder",
+                );
+            if field.changed() {
+                self.typed = Some(text);
+            }
+            if field.lost_focus()
+                && let Some(text) = self.typed.take()
+            {
+                let text = text.trim();
+                self.chosen = (!text.is_empty()).then(|| PathBuf::from(text));
+            }
+            let button = ui
+                .button("Choose…")
+                .on_hover_text("Choose the folder whose recordings are listed");
+            named(ui, &button, "Choose folder of recordings…");
+            if button.clicked() {
+                let (inbox, ctx) = (self.inbox.clone(), ui.ctx().clone());
+                let here = ctx.viewport_id();
+                dialogs::open_folder(cx.send, "recordings", move |path| {
+                    *inbox.lock().unwrap_or_else(PoisonError::into_inner) = Some(path);
+                    ctx.request_repaint_of(here);
+                });
+            }
+            let why = "Look at the folder again";
+            if icon_button(ui, icon::ICON_REFRESH, "Read folder again", why).clicked() {
+                self.read(ui.ctx(), folder, cx.view.recorder.finished);
+            }
+        });
+    }
+
+    fn filters_ui(&mut self, ui: &mut egui::Ui) {
+        let Some(held) = &self.held else { return };
+        let narrow = ui.available_width() < list::WIDE;
+        ui.horizontal(|ui| {
+            let label = ui.label("Find");
+            let room = if narrow { 150.0 } else { 8.0 };
+            ui.add(
+                egui::TextEdit::singleline(&mut self.filter.text)
+                    .hint_text("Scenario, participant, tag or file")
+                    .desired_width((ui.available_width() - room).max(60.0)),
+            )
+            .labelled_by(label.id)
+            .on_hover_text("Only recordings in which every one of these words is found");
+            if narrow {
+                sorting_ui(ui, &mut self.sorting);
+            }
+        });
+        let (offers, filter) = (&held.offers, &mut self.filter);
+        ui.horizontal(|ui| {
+            let width = ((ui.available_width() - 26.0) / 4.0).clamp(52.0, 180.0);
+            let any = "Any participant";
+            let who = &mut filter.participant;
+            choice_ui(
+                ui,
+                "Participant filter",
+                any,
+                &offers.participants,
+                who,
+                width,
+            );
+            let what = &mut filter.scenario;
+            choice_ui(
+                ui,
+                "Scenario filter",
+                "Any scenario",
+                &offers.scenarios,
+                what,
+                width,
+            );
+            choice_ui(
+                ui,
+                "Tag filter",
+                "Any tag",
+                &offers.tags,
+                &mut filter.tag,
+                width,
+            );
+            let combo = egui::ComboBox::from_id_salt("since")
+                .selected_text(filter.since.words())
+                .width(width)
+                .truncate()
+                .show_ui(ui, |ui| {
+                    for choice in Since::ALL {
+                        ui.selectable_value(&mut filter.since, choice, choice.words());
+                    }
+                });
+            let why = "How long ago it may have been recorded";
+            named_combo(combo.response.on_hover_text(why), "Date filter");
+        });
+    }
+
+    fn body_ui(&mut self, ui: &mut egui::Ui, cx: &PanelContext<'_>) {
+        let theme = cx.view.theme;
+        let Some(held) = &mut self.held else { return };
+        let (entries, _) = held.shelf.entries();
+        let progress = held.shelf.progress();
+        if let Some(note) = held.shelf.note() {
+            ui.colored_label(theme.warning, note);
+        }
+        let known = |p: &PathBuf| entries.iter().any(|e| e.path == *p && e.can_open());
+        if progress.is_none() {
+            self.list.ticked.retain(known);
+        }
+        let current =
+            (self.list.current.as_ref()).and_then(|path| entries.iter().find(|e| e.path == *path));
+        egui::Panel::bottom("chosen")
+            .resizable(false)
+            .frame(egui::Frame::new().inner_margin(egui::Margin {
+                top: 6,
+                ..egui::Margin::ZERO
+            }))
+            .show(ui, |ui| {
+                status_ui(
+                    ui,
+                    &mut held.shelf,
+                    progress.as_ref(),
+                    held.order.len(),
+                    entries.len(),
+                );
+                ticked_ui(ui, cx, &mut self.list.ticked);
+                let Some(entry) = current else {
+                    if !entries.is_empty() {
+                        ui.weak("Click a recording for more of it; tick several to compare them");
+                    }
+                    return;
+                };
+                if let Some(tags) = detail::ui(ui, cx, entry, &mut self.tags) {
+                    held.shelf.tag(&entry.path, tags);
+                }
+            });
+        if entries.is_empty() && progress.is_none() {
+            let next = "Record one with the Recorder, or choose another folder above";
+            empty_ui(ui, icon::ICON_VIDEO_LIBRARY, "No recording here", next);
+            return;
+        }
+        if held.order.is_empty() && !self.filter.is_open() {
+            let next = "No recording passes: take a filter away";
+            empty_ui(ui, icon::ICON_FILTER_ALT_OFF, "None found", next);
+            return;
+        }
+        let shown = list::Shown {
+            entries: &entries,
+            places: &held.order,
+            theme: &theme,
+            replayed: cx.view.playback.as_ref().map(|p| p.path.as_path()),
+        };
+        let ctx = ui.ctx().clone();
+        let mut room = MADE_PER_FRAME;
+        let (pictures, silhouettes) = (&mut held.pictures, &held.silhouettes);
+        let mut picture =
+            |entry: &Entry| picture_of(entry, &theme, &ctx, pictures, silhouettes, &mut room);
+        let asked = self.list.ui(ui, &shown, &mut self.sorting, &mut picture);
+        if let Some(Asked::Open(path)) = asked {
+            detail::replay(cx, path);
+        }
+    }
+
+    fn report(&self, view: &View) {
+        let Some(held) = &self.held else { return };
+        let bytes = |t: &TextureHandle| t.size()[0] * t.size()[1] * 4;
+        let pictures = held.pictures.values().filter_map(|p| p.texture.as_ref());
+        let cost = PartCost {
+            bytes: held.shelf.bytes() + pictures.map(bytes).sum::<usize>(),
+            cost_us: None,
+        };
+        view.parts.report(Item::SessionPictures, cost);
+    }
+}
+
+impl Held {
+    /// Brings the order up to date.
+    fn follow(&mut self, filter: &Filter, sorting: Sorting) {
+        let (entries, version) = self.shelf.entries();
+        let made_of = (version, filter.clone(), sorting);
+        if self.made_of.as_ref() == Some(&made_of) {
+            return;
+        }
+        self.order = filter::shown(&entries, filter, sorting, SystemTime::now());
+        if self.made_of.as_ref().is_none_or(|m| m.0 != version) {
+            self.offers = Offers::of(&entries);
+        }
+        self.made_of = Some(made_of);
+    }
+}
+
+/// The thumbnail of an entry; a few are made in each frame, and as many kept as a long list shows.
+fn picture_of(
+    entry: &Entry,
+    theme: &Theme,
+    ctx: &egui::Context,
+    pictures: &mut HashMap<PathBuf, Picture>,
+    silhouettes: &Silhouettes,
+    room: &mut usize,
+) -> Option<TextureHandle> {
+    let dwell = entry.dwell.as_ref()?;
+    if let Some(made) = pictures.get(&entry.path)
+        && Arc::ptr_eq(&made.of, dwell)
+        && made.dark == theme.dark
+    {
+        return made.texture.clone();
+    }
+    if *room == 0 {
+        ctx.request_repaint();
+        return None;
+    }
+    *room -= 1;
+    if pictures.len() >= PICTURES {
+        pictures.clear();
+    }
+    let image = picture::paint(dwell, silhouettes, theme);
+    let texture = image.map(|image| ctx.load_texture("session", image, TextureOptions::LINEAR));
+    let made = Picture {
+        of: dwell.clone(),
+        dark: theme.dark,
+        texture: texture.clone(),
+    };
+    pictures.insert(entry.path.clone(), made);
+    texture
+}
+
+/// How many there are, or how far their reading is.
+fn status_ui(
+    ui: &mut egui::Ui,
+    shelf: &mut Shelf,
+    progress: Option<&BuildStatus>,
+    shown: usize,
+    all: usize,
+) {
+    ui.horizontal(|ui| {
+        let count = if shown == all {
+            format!("{} recordings", grouped(all))
+        } else {
+            format!("{} of {} recordings", grouped(shown), grouped(all))
+        };
+        ui.label(RichText::new(count).size(12.0).weak());
+        if let Some(status) = progress {
+            let bar = egui::ProgressBar::new(status.fraction as f32)
+                .desired_width((ui.available_width() - 70.0).clamp(40.0, 160.0))
+                .desired_height(8.0);
+            ui.add(bar).on_hover_text(&status.part);
+            let stop = ui
+                .small_button("Stop")
+                .on_hover_text("Stop looking into the recordings; what is known stays");
+            named(ui, &stop, "Stop reading recordings");
+            if stop.clicked() {
+                shelf.cancel();
+            }
+        }
+    });
+}
+
+/// What can be done with those that are ticked.
+fn ticked_ui(ui: &mut egui::Ui, cx: &PanelContext<'_>, ticked: &mut BTreeSet<PathBuf>) {
+    if ticked.is_empty() {
+        return;
+    }
+    ui.horizontal_wrapped(|ui| {
+        ui.label(format!("{} ticked", ticked.len()));
+        let paths = || ticked.iter().cloned().collect::<Vec<_>>();
+        let compare = ui
+            .button((icon::ICON_DIFFERENCE.rich_text(), "Compare"))
+            .on_hover_text("Set the ticked recordings side by side in the Compare panel");
+        named(ui, &compare, "Compare ticked");
+        if compare.clicked() {
+            cx.send.send(Command::Compare(paths()));
+        }
+        let ghosts = ui
+            .button((icon::ICON_LAYERS.rich_text(), "Overlay"))
+            .on_hover_text(
+                "Show the fingers of the ticked recordings together in the Back view: where none is replayed yet, the first is, and the others are its ghosts",
+            );
+        named(ui, &ghosts, "Overlay ticked as ghosts");
+        if ghosts.clicked() {
+            let mut paths = paths();
+            if cx.view.playback.is_none() {
+                detail::replay(cx, paths.remove(0));
+            }
+            cx.send.send(Command::AddGhosts(paths));
+        }
+        let clear = ui.button("Clear").on_hover_text("Tick none");
+        named(ui, &clear, "Clear ticks");
+        if clear.clicked() {
+            ticked.clear();
+        }
+    });
+}
+
+/// A list of values to filter by, or none.
+fn choice_ui(
+    ui: &mut egui::Ui,
+    name: &str,
+    any: &str,
+    offers: &BTreeSet<String>,
+    chosen: &mut Option<String>,
+    width: f32,
+) {
+    let text = chosen.as_deref().unwrap_or(any).to_owned();
+    let combo = egui::ComboBox::from_id_salt(name)
+        .selected_text(text)
+        .width(width)
+        .truncate()
+        .show_ui(ui, |ui| {
+            ui.selectable_value(chosen, None, any);
+            for offer in offers {
+                ui.selectable_value(chosen, Some(offer.clone()), offer);
+            }
+        });
+    let why = format!(
+        "Only recordings with this {}",
+        name.trim_end_matches(" filter").to_lowercase()
+    );
+    named_combo(combo.response.on_hover_text(why), name);
+}
+
+fn named_combo(response: egui::Response, name: &str) {
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::ComboBox, true, name));
+}
+
+fn sorting_ui(ui: &mut egui::Ui, sorting: &mut Sorting) {
+    let combo = egui::ComboBox::from_id_salt("sorting")
+        .selected_text(sorting.by.words())
+        .width(104.0)
+        .show_ui(ui, |ui| {
+            for by in By::ALL {
+                ui.selectable_value(&mut sorting.by, by, by.words());
+            }
+        });
+    named_combo(
+        combo.response.on_hover_text("What the list is sorted by"),
+        "Sort by",
+    );
+    let (sign, name) = if sorting.descending {
+        (icon::ICON_ARROW_DOWNWARD, "Descending order")
+    } else {
+        (icon::ICON_ARROW_UPWARD, "Ascending order")
+    };
+    if icon_button(ui, sign, name, "Turn the order round").clicked() {
+        sorting.descending = !sorting.descending;
+    }
+}

@@ -1,0 +1,114 @@
+//! The thumbnail of a recording: where its fingers dwelt, over the outline of the back.
+
+use super::list::THUMB;
+use crate::app::colours::map::Map;
+use crate::app::editor::plane::Area;
+use crate::app::panels::library::picture::Silhouettes;
+use crate::app::theme::Theme;
+use crate::geom::Vec2;
+use egui::ColorImage;
+
+/// Time on the skin over the map plane.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dwell {
+    /// Lower left corner of the first cell, mm.
+    pub origin_mm: [f64; 2],
+    /// Edge of a cell, mm.
+    pub cell_mm: f64,
+    /// Cells along x.
+    pub columns: usize,
+    /// Cells along y.
+    pub rows: usize,
+    /// Time in each cell, s; row by row from the lower left.
+    pub seconds: Vec<f32>,
+}
+
+/// Pixels: two for each point.
+const SIZE: [usize; 2] = [THUMB.x as usize * 2, THUMB.y as usize * 2];
+
+/// The picture of `dwell`; nothing where nothing dwelt.
+pub fn paint(dwell: &Dwell, silhouettes: &Silhouettes, theme: &Theme) -> Option<ColorImage> {
+    let most = dwell.seconds.iter().copied().fold(0.0, f32::max);
+    if most <= 0.0 || !dwell.cell_mm.is_finite() || dwell.cell_mm <= 0.0 {
+        return None;
+    }
+    let silhouette = silhouettes.back();
+    let origin_mm = Vec2::from_array(dwell.origin_mm);
+    let own = Area {
+        min: origin_mm,
+        max: origin_mm + Vec2::new(dwell.columns as f64, dwell.rows as f64) * dwell.cell_mm,
+    };
+    let area = match &silhouette {
+        Some(s) => s.area.grown(4.0),
+        None => own.grown(4.0),
+    };
+    let [columns, rows] = SIZE;
+    let size = Vec2::new(columns as f64, rows as f64);
+    let mm = (area.size() / size).max_element();
+    let skin = theme.weak_text.gamma_multiply(0.30);
+    let mut pixels = Vec::with_capacity(columns * rows);
+    for row in 0..rows {
+        for column in 0..columns {
+            let p = Vec2::new(column as f64 + 0.5, row as f64 + 0.5) - size * 0.5;
+            let p = area.centre() + Vec2::new(p.x, -p.y) * mm;
+            let seconds = share(dwell, p, most, mm);
+            let covered = silhouette
+                .as_ref()
+                .and_then(|s| s.cover.between(p))
+                .unwrap_or(0.0);
+            pixels.push(if seconds > 0.0 {
+                Map::Sequential.color(seconds)
+            } else {
+                skin.gamma_multiply(covered.clamp(0.0, 1.0) as f32)
+            });
+        }
+    }
+    Some(ColorImage::new(SIZE, pixels))
+}
+
+/// The longest time in the cells that a pixel of `pixel_mm` about `p` covers, as a share of `most`, so that no short visit
+/// falls between pixels. Square root: a short visit is to be seen beside a long one.
+fn share(dwell: &Dwell, p: Vec2, most: f32, pixel_mm: f64) -> f64 {
+    let half = Vec2::splat(pixel_mm * 0.5);
+    let cell = |p: Vec2| (p - Vec2::from_array(dwell.origin_mm)) / dwell.cell_mm;
+    let (lo, hi) = (cell(p - half).floor(), cell(p + half).ceil());
+    let end = |x: f64, n: usize| x.clamp(0.0, n as f64) as usize;
+    let mut longest: f32 = 0.0;
+    for row in end(lo.y, dwell.rows)..end(hi.y, dwell.rows) {
+        for column in end(lo.x, dwell.columns)..end(hi.x, dwell.columns) {
+            let seconds = dwell.seconds.get(row * dwell.columns + column);
+            longest = longest.max(seconds.copied().unwrap_or(0.0));
+        }
+    }
+    f64::from(longest / most).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_short_visit_is_seen_and_nothing_gives_no_picture() {
+        let mut dwell = Dwell {
+            origin_mm: [-200.0, -250.0],
+            cell_mm: 5.0,
+            columns: 80,
+            rows: 100,
+            seconds: vec![0.0; 8000],
+        };
+        let theme = crate::app::theme::DARK;
+        let silhouettes = Silhouettes::default();
+        assert!(paint(&dwell, &silhouettes, &theme).is_none());
+        // The upper left of the map is that of the picture.
+        dwell.seconds[75 * 80 + 20] = 0.01;
+        dwell.seconds[20 * 80 + 60] = 9.0;
+        let image = paint(&dwell, &silhouettes, &theme).expect("a picture");
+        let bright: Vec<usize> = (0..image.pixels.len())
+            .filter(|&i| image.pixels[i].a() == 255)
+            .collect();
+        let at = |i: usize| (i % SIZE[0], i / SIZE[0]);
+        let (first, last) = (at(bright[0]), at(bright[bright.len() - 1]));
+        assert!(first.0 < SIZE[0] / 2 && first.1 < SIZE[1] / 2, "{first:?}");
+        assert!(last.0 > SIZE[0] / 2 && last.1 > SIZE[1] / 2, "{last:?}");
+    }
+}
