@@ -4,6 +4,7 @@ use super::common::progress_bar;
 use super::{CliError, Outcome, print, print_json};
 use crate::device::calibration;
 use crate::device::hid::check::{self, Checked, Trial};
+use crate::device::hid::emulator::Outcome as Truth;
 use crate::device::{Calibration, Capabilities, Device, Family, Found, Proof, all};
 use std::path::PathBuf;
 
@@ -16,6 +17,9 @@ pub struct DevicesArgs {
     /// Try the loop with an emulated device of this family, which a simulated hand presses into a plane of skin.
     #[arg(long, value_name = "FAMILY")]
     emulator: Option<String>,
+    /// What goes wrong with the emulated device once it is pressed: unplugged, frozen, silent, jump, short, slow, reversed.
+    #[arg(long, value_name = "FAULT", requires = "emulator")]
+    fault: Option<String>,
     /// How long the loop is tried, s.
     #[arg(long, value_name = "SECONDS", default_value_t = 3.0)]
     seconds: f64,
@@ -95,6 +99,9 @@ struct PrintedTest {
     /// Against the truth of the emulator, N; only there.
     #[serde(skip_serializing_if = "Option::is_none")]
     force_error_n: Option<f64>,
+    /// What the emulator says; only there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    truth: Option<Truth>,
 }
 
 /// Lists devices, or tries the loop.
@@ -107,7 +114,7 @@ pub fn run(args: &DevicesArgs, json: bool) -> Result<Outcome, CliError> {
         return Err(CliError::input(what));
     }
     if let Some(key) = &args.emulator {
-        return emulated(key, args.seconds, json);
+        return emulated(key, args, json);
     }
     let folder = args.folder.clone().or_else(|| {
         directories::ProjectDirs::from("", "", "dorsum").map(|d| d.config_dir().join("devices"))
@@ -186,6 +193,7 @@ fn tried(family: &dyn Family, found: &Found, c: &Calibration, seconds: f64) -> P
             checked: None,
             position_error_mm: None,
             force_error_n: None,
+            truth: None,
         },
         Ok(mut device) => {
             let checked = tick(&mut *device, seconds, 0.0);
@@ -197,6 +205,7 @@ fn tried(family: &dyn Family, found: &Found, c: &Calibration, seconds: f64) -> P
                 checked: Some(checked),
                 position_error_mm: None,
                 force_error_n: None,
+                truth: None,
             }
         }
     }
@@ -224,38 +233,56 @@ fn tick(device: &mut dyn Device, seconds: f64, skin_n_per_mm: f64) -> Checked {
 }
 
 #[cfg(target_os = "linux")]
-fn emulated(key: &str, seconds: f64, json: bool) -> Result<Outcome, CliError> {
+fn emulated(key: &str, args: &DevicesArgs, json: bool) -> Result<Outcome, CliError> {
+    use crate::device::hid::emulator::Fault;
     use crate::device::hid::emulator::process::{Emulated, Request, family};
     use crate::geom::Vec3;
     let arms = family(key).map_err(CliError::input)?;
+    let fault = match &args.fault {
+        None => None,
+        Some(name) => Some(Fault::by_key(name).ok_or_else(|| {
+            let names = Fault::ALL.map(Fault::key).join(", ");
+            CliError::input(format_args!("--fault \"{name}\"; allowed are {names}"))
+        })?),
+    };
     let program = std::env::current_exe().map_err(CliError::input)?;
     let request = Request {
         family: arms.key(),
         // It is to be there until the host goes.
-        seconds: seconds + 60.0,
+        seconds: args.seconds + 60.0,
         press_mm: 6.0,
         delay_ms: 0,
-        fault: None,
+        fault,
     };
     let (emulator, port) = Emulated::spawn(&program, &request).map_err(CliError::input)?;
     let mut device = arms
         .open_port(Box::new(port), &arms.defaults())
         .map_err(CliError::input)?;
-    let checked = tick(&mut device, seconds, SKIN_N_PER_MM);
-    let fault = checked.fault(device.capabilities().report_rate_hz);
-    // Gone without a word: the truth is wanted under force, not after the currents of closing.
+    let checked = tick(&mut device, args.seconds, SKIN_N_PER_MM);
+    let nominal_hz = device.capabilities().report_rate_hz;
     drop(device);
     let truth = emulator.outcome().map_err(CliError::input)?;
     // The truth is told in the device's own frame.
     let laid = arms.defaults().mapping.subject_from_device();
     let off = |a: [f64; 3], b: [f64; 3]| Vec3::from_array(a).distance(laid * Vec3::from_array(b));
+    let wrong = if !truth.ended_at_zero {
+        Some("currents flowed after closing".to_owned())
+    } else if fault.is_none() {
+        checked.fault(nominal_hz)
+    } else if truth.fault_n.is_none() {
+        Some("it never came to be pressed: no fault was tried; give it more --seconds".to_owned())
+    } else {
+        let never = "currents never ended".to_owned();
+        truth.zero_after_ms.is_none().then_some(never)
+    };
+    let whole = fault.is_none();
     let printed = PrintedTest {
-        holds: fault.is_none() && truth.ended_at_zero,
-        fault: fault
-            .or_else(|| (!truth.ended_at_zero).then(|| "currents flowed after closing".to_owned())),
-        position_error_mm: Some(off(checked.position_mm, truth.pressed_position_mm)),
-        force_error_n: Some(off(checked.force_n, truth.pressed_force_n)),
+        holds: wrong.is_none(),
+        fault: wrong,
+        position_error_mm: whole.then(|| off(checked.position_mm, truth.pressed_position_mm)),
+        force_error_n: whole.then(|| off(checked.force_n, truth.pressed_force_n)),
         checked: Some(checked),
+        truth: Some(truth),
     };
     let holds = printed.holds;
     if json {
@@ -272,7 +299,7 @@ fn emulated(key: &str, seconds: f64, json: bool) -> Result<Outcome, CliError> {
 }
 
 #[cfg(not(target_os = "linux"))]
-fn emulated(_key: &str, _seconds: f64, _json: bool) -> Result<Outcome, CliError> {
+fn emulated(_key: &str, _args: &DevicesArgs, _json: bool) -> Result<Outcome, CliError> {
     Err(CliError::input("emulated devices need Linux"))
 }
 
@@ -367,7 +394,19 @@ fn show_test(test: &PrintedTest) {
     if let (Some(mm), Some(n)) = (test.position_error_mm, test.force_error_n) {
         print(format_args!("    off the truth by {mm:.3} mm and {n:.3} N"));
     }
+    if let (Some(c), Some(truth)) = (&test.checked, &test.truth)
+        && let (Some(n), Some(ms)) = (truth.fault_n, truth.zero_after_ms)
+    {
+        let found = c.condition.map_or("nothing", |c| c.title());
+        print(format_args!(
+            "    it failed at {n:.2} N: no current after {ms:.1} ms, {:.2} N at most; the link says: {found}",
+            truth.highest_since_n
+        ));
+    }
     match &test.fault {
+        None if test.truth.as_ref().is_some_and(|t| t.fault_n.is_some()) => {
+            print("    the force was taken off");
+        }
         None => print("    the loop holds"),
         Some(fault) => print(format_args!("    does not hold: {fault}")),
     }

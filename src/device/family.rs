@@ -1,7 +1,7 @@
 //! The families of devices: one file each and one line in [`all`].
 
 use super::calibration::CalibrationError;
-use super::{Calibration, Capabilities, Device, hid};
+use super::{Calibration, Capabilities, Device, hid, vendor};
 use std::fmt;
 
 /// How far a family was tested.
@@ -125,6 +125,11 @@ pub trait Family: Sync {
     /// What is missing.
     fn ready(&self) -> Result<(), DeviceError>;
 
+    /// Whether it may be looked for again and again while the program runs: not where looking loads a maker's library.
+    fn may_be_watched(&self) -> bool {
+        true
+    }
+
     /// What is attached. Blocks for some milliseconds: not for the servo or the window.
     fn find(&self) -> Vec<Found>;
 
@@ -141,11 +146,13 @@ pub trait Family: Sync {
 
 /// Every family, in the order that people see them.
 pub fn all() -> &'static [&'static dyn Family] {
-    static ALL: [&dyn Family; 4] = [
+    static ALL: [&dyn Family; 6] = [
         &hid::arms::WOODEN,
         &hid::arms::POLHEM,
         &hid::arms::TEENSY,
         &hid::spacemouse::FAMILY,
+        &vendor::openhaptics::FAMILY,
+        &vendor::force_dimension::FAMILY,
     ];
     &ALL
 }

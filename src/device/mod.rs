@@ -10,8 +10,10 @@ pub mod hid;
 pub mod mapped;
 pub mod mouse;
 pub mod null;
+pub mod plug;
 pub mod replay;
 pub mod scripted;
+pub mod vendor;
 
 use crate::geom::Vec3;
 pub use calibration::Calibration;

@@ -50,6 +50,30 @@ pub fn list(ids: &[(u16, u16)]) -> Vec<Attached> {
     out
 }
 
+/// The path and ids of every HID device, in one order: what tells that something was plugged in or pulled out.
+pub fn paths() -> Vec<String> {
+    let Ok(api) = hidapi::HidApi::new() else {
+        return Vec::new();
+    };
+    let mut out: Vec<String> = api
+        .device_list()
+        .map(|d| {
+            let (path, serial) = (
+                d.path().to_string_lossy(),
+                d.serial_number().unwrap_or_default(),
+            );
+            format!(
+                "{path} {:04x}:{:04x} {serial}",
+                d.vendor_id(),
+                d.product_id()
+            )
+        })
+        .collect();
+    out.sort();
+    out.dedup();
+    out
+}
+
 fn words(text: &str) -> Option<String> {
     let clean: String = text.chars().filter(|c| !c.is_control()).take(120).collect();
     let clean = clean.trim();

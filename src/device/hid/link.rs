@@ -467,14 +467,17 @@ mod tests {
         }
     }
 
-    /// Has the device connected and 3 N flowing.
-    fn push(device: &mut Linked, board: &mut SocketPort) {
+    /// Has the device connected and 3 N flowing; how many reports that took.
+    fn push(device: &mut Linked, board: &mut SocketPort) -> u64 {
+        let mut sent = 0;
         until("force never flowed", || {
             board.write(&[50]).expect("sent");
+            sent += 1;
             let reading = device.read(0.001);
             device.write(Vec3::X * 3.0);
             reading.connected && drain(board).0 == Some(30)
         });
+        sent
     }
 
     #[test]
@@ -595,14 +598,13 @@ mod tests {
     #[test]
     fn reports_that_piled_up_are_passed_over_for_the_newest() {
         let (mut device, mut board) = start();
-        push(&mut device, &mut board);
-        let before = device.vitals().counts();
+        let sent = push(&mut device, &mut board);
         for x in 51..=90 {
             board.write(&[x]).expect("sent");
         }
         until("never", || device.read(0.001).position_mm == Vec3::X * 0.9);
         let counts = device.vitals().counts();
-        assert_eq!(counts.reports - before.reports, 40);
+        assert_eq!(counts.reports, sent + 40);
         assert_eq!(counts.not_understood, 0);
     }
 }
