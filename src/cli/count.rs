@@ -1,13 +1,15 @@
-//! The hidden subcommand that the lab starts itself with, to count what a scene holds and does.
+//! The hidden subcommands that the lab starts itself with: to count what a scene holds and does, and to be killed.
 
 use super::{CliError, Outcome, print};
-use crate::lab::pruning;
+use crate::lab::{pruning, session};
 use std::io::Read as _;
+use std::path::PathBuf;
 
-/// Lets the lab start this program to count.
+/// Lets the lab start this program.
 pub fn offer() {
     if let Ok(program) = std::env::current_exe() {
-        pruning::counted_by(program);
+        pruning::counted_by(program.clone());
+        session::damage::killed_in(program);
     }
 }
 
@@ -21,5 +23,20 @@ pub fn run() -> Result<Outcome, CliError> {
         .read_to_string(&mut text)
         .map_err(CliError::input)?;
     print(pruning::serve(&text).map_err(CliError::input)?);
+    Ok(Outcome::Done)
+}
+
+/// The file that is recorded until the recorder is killed.
+#[derive(Debug, clap::Args)]
+pub struct KilledArgs {
+    file: PathBuf,
+}
+
+/// Records until it is killed.
+///
+/// # Errors
+/// The recorder cannot be started.
+pub fn record(args: &KilledArgs) -> Result<Outcome, CliError> {
+    session::damage::record_until_killed(&args.file).map_err(CliError::input)?;
     Ok(Outcome::Done)
 }

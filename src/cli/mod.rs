@@ -107,6 +107,9 @@ enum Command {
     /// Count one case of `lab pruning`; the lab starts it.
     #[command(name = crate::lab::pruning::SUBCOMMAND, hide = true)]
     Count,
+    /// Record until killed, for `lab session-damage`; the lab starts it.
+    #[command(name = crate::lab::session::damage::SUBCOMMAND, hide = true)]
+    Record(count::KilledArgs),
 }
 
 /// Prints a line, or several, on stdout. Whoever closed the pipe has read enough: that is no error.
@@ -154,6 +157,7 @@ pub fn main() -> u8 {
         Some(Command::Devices(args)) => devices::run(args, json),
         Some(Command::Emulate(args)) => emulate::run(args),
         Some(Command::Count) => count::run(),
+        Some(Command::Record(args)) => count::record(args),
     };
     match outcome {
         Ok(Outcome::Done) => 0,

@@ -16,6 +16,7 @@ pub mod partition;
 mod program;
 pub mod pruning;
 mod report;
+pub mod session;
 mod shelf;
 pub mod stability;
 mod table;
@@ -53,6 +54,8 @@ pub fn all() -> &'static [&'static dyn Experiment] {
         &error::ErrorOverSession,
         &pruning::Parts,
         &pruning::Live,
+        &session::SessionDamage,
+        &session::SessionEndurance,
         &stability::StabilityBorder,
         &stability::StabilityController,
         &stability::Extremes,

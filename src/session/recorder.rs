@@ -4,7 +4,7 @@ use super::SessionError;
 use super::extras::Extras;
 use super::faults::Faults;
 use super::header::Header;
-use super::writer::{IfExists, RecordingSummary, SessionWriter};
+use super::writer::{IfExists, RecordingSummary, SessionWriter, Store, created};
 use crate::servo::FingerRecord;
 use rtrb::Consumer;
 use std::collections::VecDeque;
@@ -68,7 +68,7 @@ enum Order {
     Start(
         PathBuf,
         Box<Header>,
-        IfExists,
+        Target,
         SyncSender<Result<(), SessionError>>,
     ),
     Stop(SyncSender<Result<RecordingSummary, SessionError>>),
@@ -78,6 +78,15 @@ enum Order {
     Swap(Consumer<FingerRecord>),
     Carry(Box<Extras>),
     Quit,
+}
+
+/// Writes to a file, or to whatever stands in for one.
+type Writer = SessionWriter<Box<dyn Store>>;
+
+/// What a recording is to be written to.
+enum Target {
+    File(IfExists),
+    Store(Box<dyn Store>),
 }
 
 /// Number of an edit and the scenario as edited.
@@ -92,7 +101,7 @@ pub struct RecorderThread {
     /// Edits that ticks to come may feel.
     known: VecDeque<EditText>,
     status: Arc<Mutex<RecorderStatus>>,
-    writer: Option<SessionWriter>,
+    writer: Option<Writer>,
     /// What every recording begun carries.
     extras: Extras,
     faults: Faults,
@@ -145,8 +154,8 @@ impl RecorderThread {
             // Whatever is ordered holds for what comes after the records already there.
             self.drain();
             match order {
-                Ok(Order::Start(path, header, if_exists, reply)) => {
-                    let _ = reply.send(self.start(&path, &header, if_exists));
+                Ok(Order::Start(path, header, target, reply)) => {
+                    let _ = reply.send(self.start(&path, &header, target));
                 }
                 Ok(Order::Stop(reply)) => {
                     let _ = reply.send(self.stop());
@@ -233,7 +242,7 @@ impl RecorderThread {
     }
 
     /// Writes if recording; a failure ends it.
-    fn write(&mut self, act: impl FnOnce(&mut SessionWriter) -> Result<(), SessionError>) {
+    fn write(&mut self, act: impl FnOnce(&mut Writer) -> Result<(), SessionError>) {
         let Some(writer) = &mut self.writer else {
             return;
         };
@@ -247,18 +256,18 @@ impl RecorderThread {
         }
     }
 
-    fn start(
-        &mut self,
-        path: &Path,
-        header: &Header,
-        if_exists: IfExists,
-    ) -> Result<(), SessionError> {
+    fn start(&mut self, path: &Path, header: &Header, target: Target) -> Result<(), SessionError> {
         if self.writer.is_some() {
             return Err(SessionError::Recorder(
                 "is recording already; stop it first".into(),
             ));
         }
-        let mut writer = SessionWriter::create_with(path, header, &self.extras, if_exists)?;
+        header.to_map()?;
+        let store = match target {
+            Target::File(if_exists) => Box::new(created(path, if_exists)?),
+            Target::Store(store) => store,
+        };
+        let mut writer = SessionWriter::with_extras(store, path, header, &self.extras)?;
         self.faults = Faults::default();
         for (number, scenario_toml) in &self.known {
             if *number > header.edit {
@@ -346,7 +355,7 @@ impl RecorderHandle {
     /// The file cannot be created, the header is not writable, a recording runs already, or the disk does not answer within
     /// ten seconds.
     pub fn start(&self, path: &Path, header: Header) -> Result<(), SessionError> {
-        self.start_as(path, header, IfExists::Refuse)
+        self.start_as(path, header, Target::File(IfExists::Refuse))
     }
 
     /// As [`Self::start`], but replaces an existing file: only after someone has said so.
@@ -354,20 +363,28 @@ impl RecorderHandle {
     /// # Errors
     /// As [`Self::start`].
     pub fn start_replacing(&self, path: &Path, header: Header) -> Result<(), SessionError> {
-        self.start_as(path, header, IfExists::Replace)
+        self.start_as(path, header, Target::File(IfExists::Replace))
     }
 
-    fn start_as(
+    /// As [`Self::start`], but onto `store`, such as one that is slow or full on purpose; `path` names it.
+    ///
+    /// # Errors
+    /// As [`Self::start`].
+    pub fn start_on(
         &self,
+        store: Box<dyn Store>,
         path: &Path,
         header: Header,
-        if_exists: IfExists,
     ) -> Result<(), SessionError> {
+        self.start_as(path, header, Target::Store(store))
+    }
+
+    fn start_as(&self, path: &Path, header: Header, target: Target) -> Result<(), SessionError> {
         let (reply, answer) = sync_channel(1);
         self.order(Order::Start(
             path.to_owned(),
             Box::new(header),
-            if_exists,
+            target,
             reply,
         ))?;
         wait(&answer)?

@@ -72,6 +72,16 @@ pub trait Store: Send + Sync {
     fn keep(&self) -> io::Result<()>;
 }
 
+impl Store for Box<dyn Store> {
+    fn append(&self, bytes: &[u8]) -> io::Result<()> {
+        (**self).append(bytes)
+    }
+
+    fn keep(&self) -> io::Result<()> {
+        (**self).keep()
+    }
+}
+
 impl Store for File {
     fn append(&self, bytes: &[u8]) -> io::Result<()> {
         let mut file = self;
@@ -187,17 +197,19 @@ impl SessionWriter<File> {
         if_exists: IfExists,
     ) -> Result<Self, SessionError> {
         header.to_map()?;
-        let mut options = OpenOptions::new();
-        options.write(true);
-        match if_exists {
-            IfExists::Refuse => options.create_new(true),
-            IfExists::Replace => options.create(true).truncate(true),
-        };
-        let file = options
-            .open(path)
-            .map_err(|source| io_error(path, source))?;
-        Self::with_extras(file, path, header, extras)
+        Self::with_extras(created(path, if_exists)?, path, header, extras)
     }
+}
+
+/// A new file.
+pub(super) fn created(path: &Path, if_exists: IfExists) -> Result<File, SessionError> {
+    let mut options = OpenOptions::new();
+    options.write(true);
+    match if_exists {
+        IfExists::Refuse => options.create_new(true),
+        IfExists::Replace => options.create(true).truncate(true),
+    };
+    options.open(path).map_err(|source| io_error(path, source))
 }
 
 impl<S: Store> SessionWriter<S> {
@@ -209,7 +221,11 @@ impl<S: Store> SessionWriter<S> {
         Self::with_extras(store, path, header, &Extras::of_this_machine())
     }
 
-    fn with_extras(
+    /// As [`Self::on`], with what is to travel with the session.
+    ///
+    /// # Errors
+    /// As [`SessionWriter::create`].
+    pub fn with_extras(
         store: S,
         path: &Path,
         header: &Header,
