@@ -93,7 +93,7 @@ struct PrintedTest {
     fault: Option<String>,
     #[serde(flatten)]
     checked: Option<Checked>,
-    /// Against the truth of the emulator, mm; only there.
+    /// Against the truth of the emulator, mm; only there, and with force.
     #[serde(skip_serializing_if = "Option::is_none")]
     position_error_mm: Option<f64>,
     /// Against the truth of the emulator, N; only there.
@@ -275,7 +275,8 @@ fn emulated(key: &str, args: &DevicesArgs, json: bool) -> Result<Outcome, CliErr
         let never = "currents never ended".to_owned();
         truth.zero_after_ms.is_none().then_some(never)
     };
-    let whole = fault.is_none();
+    // Where the machine held the loop up the force is off, and there is nothing to compare.
+    let whole = fault.is_none() && checked.force_n != [0.0; 3];
     let printed = PrintedTest {
         holds: wrong.is_none(),
         fault: wrong,
@@ -383,6 +384,12 @@ fn show_test(test: &PrintedTest) {
             print(format_args!(
                 "    {} reports, {} lost, {} passed over for a newer one, {} not understood",
                 n.reports, n.lost, n.skipped, n.not_understood
+            ));
+        }
+        if c.ticks_without > 0 {
+            print(format_args!(
+                "    without an answer in {} of {} ticks: no force then",
+                c.ticks_without, c.ticks
             ));
         }
         print(format_args!(

@@ -146,13 +146,14 @@ pub trait Family: Sync {
 
 /// Every family, in the order that people see them.
 pub fn all() -> &'static [&'static dyn Family] {
-    static ALL: [&dyn Family; 6] = [
+    static ALL: [&dyn Family; 7] = [
         &hid::arms::WOODEN,
         &hid::arms::POLHEM,
         &hid::arms::TEENSY,
         &hid::spacemouse::FAMILY,
         &vendor::openhaptics::FAMILY,
         &vendor::force_dimension::FAMILY,
+        &vendor::haply::FAMILY,
     ];
     &ALL
 }

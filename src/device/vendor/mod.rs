@@ -1,9 +1,11 @@
-//! Devices behind their makers' libraries, which are loaded at run time where they are installed and never linked.
+//! Devices behind their makers' software: libraries, which are loaded at run time where they are installed and never linked,
+//! and services.
 //!
-//! A library stands in for the wire: what it says of a device goes through the same guard, thread and counts as what a HID
-//! device says ([`Linked`](crate::device::hid::link::Linked)). Only the two files that call the libraries hold unsafe code.
+//! That software stands in for the wire: what it says of a device goes through the same guard, thread and counts as what a
+//! HID device says ([`Linked`](crate::device::hid::link::Linked)). Only the two files that call libraries hold unsafe code.
 
 pub mod force_dimension;
+pub mod haply;
 pub mod openhaptics;
 
 use crate::device::hid::link::{Driver, Linked, Seen};
