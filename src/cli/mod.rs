@@ -8,6 +8,7 @@ mod count;
 mod deform;
 mod devices;
 mod emulate;
+mod export;
 mod headless;
 mod lab;
 mod map;
@@ -81,6 +82,8 @@ enum Command {
     Replay(replay::ReplayArgs),
     /// Save what a damaged or unfinished session still holds, and count what it does not; or compress a whole one.
     Recover(recover::RecoverArgs),
+    /// Hand sessions on as Parquet, CSV or BIDS-Motion; many at once.
+    Export(export::ExportArgs),
     /// Tell what a scenario needs and what is left out, with bytes and µs.
     Scene(scene::SceneArgs),
     /// Check scenarios, list dysfunctions and places, hide dysfunctions at random.
@@ -146,6 +149,7 @@ pub fn main() -> u8 {
         Some(Command::Run(args)) => run::run(args, json),
         Some(Command::Replay(args)) => replay::run(args, json),
         Some(Command::Recover(args)) => recover::run(args, json),
+        Some(Command::Export(args)) => export::run(args, json),
         Some(Command::Scene(args)) => scene::run(args, json),
         Some(Command::Scenario(command)) => scenario::run(command, json),
         Some(Command::Mesh(command)) => mesh::run(command, json),

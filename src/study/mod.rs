@@ -8,11 +8,17 @@
 //! | [`smooth`] | SPARC and jerk of a movement |
 //! | [`compare`] | two recordings aligned, and how far they are apart over time |
 //! | [`stats`] | agreement of series, differences of groups |
+//! | [`cohort`] | many files at once, in memory that does not grow with their number |
+//! | [`export`] | sessions handed on: Parquet, CSV, BIDS-Motion |
+//! | [`index`] | what a folder of recordings holds, kept in a cache, with the user's tags |
 
 mod analyse;
+pub mod cohort;
 pub mod compare;
+pub mod export;
 pub mod felt;
 mod frame;
+pub mod index;
 pub mod metrics;
 mod options;
 pub mod phases;

@@ -25,6 +25,16 @@ impl<W: Write> CsvRows<W> {
             heads: heads.to_vec(),
         })
     }
+
+    /// Writes what is still held back and gives the file back.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn into_inner(self) -> Result<W> {
+        self.writer
+            .into_inner()
+            .map_err(csv::IntoInnerError::into_error)
+    }
 }
 
 impl<W: Write> Rows for CsvRows<W> {

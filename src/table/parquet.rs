@@ -65,6 +65,17 @@ impl<W: Write + Send> ParquetRows<W> {
         })
     }
 
+    /// Writes what is still held back and gives the file back.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn into_inner(mut self) -> Result<W> {
+        if self.rows > 0 {
+            self.write_group().map_err(told)?;
+        }
+        self.writer.into_inner().map_err(told)
+    }
+
     fn write_group(&mut self) -> std::result::Result<(), ParquetError> {
         let mut group = self.writer.next_row_group()?;
         for (column, head) in self.columns.iter_mut().zip(&self.heads) {
