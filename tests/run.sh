@@ -33,18 +33,18 @@ if [ "${1:-}" != "--no-setup" ]; then
             say "Not installed, and no right to: $(missing)(tests that need them say that they were skipped)"
         fi
     fi
-    # Python's own MCAP reader checks that our recordings are readable without our code.
+    # Python reads our recordings and tables without our code, and the BIDS validator our datasets.
     if [ -z "${DORSUM_PYTHON:-}" ]; then
         venv=target/python
-        if ! "$venv/bin/python" -c 'import mcap, mcap_protobuf' 2>/dev/null; then
-            say "Preparing Python's MCAP reader in $venv"
+        if ! cmp -s tests/python/requirements.txt "$venv/installed.txt"; then
+            say "Preparing Python's readers in $venv"
             { python3 -m venv "$venv" && "$venv/bin/python" -m pip install -q --disable-pip-version-check \
-                'mcap>=1.2,<2' 'mcap-protobuf-support>=0.5,<1'; } ||
-                echo "No Python with MCAP: the test that needs it says that it was skipped"
+                -r tests/python/requirements.txt && cp tests/python/requirements.txt "$venv/installed.txt"; } ||
+                echo "No Python with what tests/python/requirements.txt names: the tests that need it say that they were skipped"
         fi
     fi
 fi
-if [ -z "${DORSUM_PYTHON:-}" ] && target/python/bin/python -c 'import mcap, mcap_protobuf' 2>/dev/null; then
+if [ -z "${DORSUM_PYTHON:-}" ] && cmp -s tests/python/requirements.txt target/python/installed.txt; then
     export DORSUM_PYTHON="$PWD/target/python/bin/python"
 fi
 

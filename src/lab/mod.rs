@@ -7,6 +7,7 @@
 //! Times are measured on the machine at hand and say so; what must hold does not depend on them.
 
 mod clock;
+pub mod cohort;
 pub mod contact;
 pub mod deform;
 mod document;
@@ -61,6 +62,7 @@ pub fn all() -> &'static [&'static dyn Experiment] {
         &stability::Extremes,
         &stability::Integrators,
         &training::TrainingObserver,
+        &cohort::SessionCohort,
     ]
 }
 

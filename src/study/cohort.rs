@@ -93,8 +93,10 @@ pub fn map<T: Send>(
             };
             each(due, result);
         }
-        progress(1.0);
-        Ok(())
+        match progress(1.0) {
+            true => Ok(()),
+            false => Err(StudyError::Stopped),
+        }
     })
 }
 

@@ -45,7 +45,7 @@ impl<W: Write> Rows for CsvRows<W> {
         for cell in cells {
             match cell {
                 Cell::Number(Some(x)) => self.writer.write_field(number_text(*x))?,
-                Cell::Single(Some(x)) => self.writer.write_field(x.to_string())?,
+                Cell::Single(Some(x)) => self.writer.write_field(format!("{x:?}"))?,
                 Cell::Count(Some(n)) => self.writer.write_field(n.to_string())?,
                 Cell::Yes(Some(true)) => self.writer.write_field("true")?,
                 Cell::Yes(Some(false)) => self.writer.write_field("false")?,
@@ -61,10 +61,8 @@ impl<W: Write> Rows for CsvRows<W> {
     }
 }
 
-/// The fewest digits that read back to the same bits; very large and very small numbers with an exponent.
+/// The fewest digits that read back to the same bits, always with a point or an exponent: whoever guesses what a column holds
+/// takes it for numbers, and not for integers that know no `-0`.
 pub fn number_text(x: f64) -> String {
-    match x.abs() {
-        size if size != 0.0 && !(1e-5..1e16).contains(&size) && x.is_finite() => format!("{x:e}"),
-        _ => x.to_string(),
-    }
+    format!("{x:?}")
 }

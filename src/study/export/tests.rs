@@ -359,7 +359,7 @@ fn a_bids_sample_has_a_value_for_each_channel() {
     let n = channels.lines().count() - 1;
     assert_eq!((n, samples.lines().count()), (1 + 2 * 18, 100));
     assert!(samples.lines().all(|l| l.split('\t').count() == n));
-    assert!(samples.starts_with("0\t") && samples.contains("\n0.099\t"));
+    assert!(samples.starts_with("0\t0.0\t") && samples.contains("\n0.099\t"));
     let sidecar: serde_json::Value = serde_json::from_str(&of("_motion.json")).expect("JSON");
     assert_eq!(sidecar["MotionChannelCount"], n);
     assert_eq!(sidecar["TrackedPointsCount"], 4);

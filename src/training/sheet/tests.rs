@@ -90,7 +90,8 @@ fn a_sheet_is_written_whole_and_read_again() {
         let strength = row
             .get_double(column("strength_percent"))
             .expect("a number");
-        assert_eq!(strength.to_string(), line[column("strength_percent")]);
+        let text = &line[column("strength_percent")];
+        assert_eq!(crate::table::number_text(strength), text);
         assert_eq!(
             row.get_string(column("truth")).expect("text"),
             &line[column("truth")]
