@@ -30,10 +30,12 @@ pub enum Fault {
     Deaf,
     /// Its product id is another one.
     Stranger,
+    /// Its arm is not as long as its maker says.
+    Bent,
 }
 
 impl Fault {
-    pub const ALL: [(&'static str, Self); 9] = [
+    pub const ALL: [(&'static str, Self); 10] = [
         ("short", Self::Short),
         ("loses", Self::Loses),
         ("shifted", Self::Shifted),
@@ -43,6 +45,7 @@ impl Fault {
         ("stays", Self::Stays),
         ("deaf", Self::Deaf),
         ("stranger", Self::Stranger),
+        ("bent", Self::Bent),
     ];
 
     pub fn key(self) -> &'static str {

@@ -3,6 +3,8 @@
 /// One kind of device.
 pub struct Kind {
     pub key: &'static str,
+    /// Key of Dorsum's family of devices.
+    pub family: &'static str,
     pub name: &'static str,
     pub vendor: u16,
     pub product: u16,
@@ -43,6 +45,7 @@ impl Speaks {
 pub static KINDS: [Kind; 5] = [
     Kind {
         key: "wooden-8",
+        family: "woodenhaptics",
         name: "WoodenHaptics v1",
         vendor: 0x1234,
         product: 0x0006,
@@ -56,6 +59,7 @@ pub static KINDS: [Kind; 5] = [
     },
     Kind {
         key: "wooden-14",
+        family: "polhem",
         name: "Polhem v2",
         vendor: 0x1234,
         product: 0x0006,
@@ -69,6 +73,7 @@ pub static KINDS: [Kind; 5] = [
     },
     Kind {
         key: "teensy-64",
+        family: "polhem-teensy",
         name: "Polhem Teensy",
         vendor: 0x16C0,
         product: 0x0486,
@@ -82,6 +87,7 @@ pub static KINDS: [Kind; 5] = [
     },
     Kind {
         key: "spacemouse-split",
+        family: "spacemouse",
         // Not the SpaceNavigator, C626: Linux leaves that one to a driver that takes it from a USB port only.
         name: "SpaceMouse Pro",
         vendor: 0x046D,
@@ -96,6 +102,7 @@ pub static KINDS: [Kind; 5] = [
     },
     Kind {
         key: "spacemouse-whole",
+        family: "spacemouse",
         name: "SpaceMouse Wireless",
         vendor: 0x256F,
         product: 0xC635,

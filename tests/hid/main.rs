@@ -7,6 +7,7 @@
 //!
 //! It needs a machine of its own, so neither `cargo test` nor CI builds it (`test = false` in Cargo.toml).
 
+mod arm;
 mod board;
 mod checks;
 mod host;
@@ -25,6 +26,13 @@ fn main() -> ExitCode {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => {
                 eprintln!("emulated device: {error}");
+                ExitCode::from(2)
+            }
+        },
+        Some("arm") => match arm::arm(&arguments[1..]) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => {
+                eprintln!("emulated arm: {error}");
                 ExitCode::from(2)
             }
         },

@@ -97,6 +97,7 @@ pub fn device(arguments: &[String]) -> Result<(), String> {
     }
 }
 
+/// A named thread.
 fn start(
     name: &str,
     send: SyncSender<Message>,
@@ -109,7 +110,8 @@ fn start(
         .map_err(|error| format!("thread {name}: {error}"))
 }
 
-fn plug(uhid: &Uhid, kind: &Kind, serial: &str, fault: Option<Fault>) -> std::io::Result<()> {
+/// Plugs a device of a kind in.
+pub fn plug(uhid: &Uhid, kind: &Kind, serial: &str, fault: Option<Fault>) -> std::io::Result<()> {
     let mut descriptor = (kind.descriptor)();
     if fault == Some(Fault::Page) {
         // The second byte of either layout is the low byte of the usage page.

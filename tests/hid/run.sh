@@ -2,9 +2,10 @@
 # The real HID stack, tried in a small Linux guest: bash tests/hid/run.sh
 #
 # Boots a stock kernel with UHID in an emulator (no KVM, no root, nothing installed), plugs emulated devices into it and
-# drives them through hidraw. Prints a table, one check a line. Needs an amd64 Debian with apt-get, for about 110 MB of packages
+# drives them through hidraw. Prints a table, one check a line. Needs an amd64 Debian with apt-get, for 115 MB of packages
 # fetched once into target/hid, and libc6-dev for the static link; a qemu-system-x86_64 on the path is used if there.
-# `run.sh FAULT` gives every device a fault (short, loses, shifted, frozen, alias, page, stays, deaf, stranger): the run must fail.
+# `run.sh FAULT` gives every device a fault (short, loses, shifted, frozen, alias, page, stays, deaf, stranger, bent): the run must fail.
+# HID_PROGRAM=PATH takes a program that is built already.
 # Exit codes: 0 all holds, 1 a check fails, 2 it cannot be tried here.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -93,8 +94,8 @@ emulator() {
 }
 
 case " ${1:-} " in
-    "  " | *" short "* | *" loses "* | *" shifted "* | *" frozen "* | *" alias "* | *" page "* | *" stays "* | *" deaf "* | *" stranger "*) ;;
-    *) cannot "no fault is called '$1'; allowed: short, loses, shifted, frozen, alias, page, stays, deaf, stranger" ;;
+    "  " | *" short "* | *" loses "* | *" shifted "* | *" frozen "* | *" alias "* | *" page "* | *" stays "* | *" deaf "* | *" stranger "* | *" bent "*) ;;
+    *) cannot "no fault is called '$1'; allowed: short, loses, shifted, frozen, alias, page, stays, deaf, stranger, bent" ;;
 esac
 mkdir -p "$work"
 [ -e "$root/complete" ] || fetch
@@ -102,8 +103,7 @@ mkdir -p "$work"
 program=${HID_PROGRAM:-}
 if [ -z "$program" ]; then
     program=$(cargo rustc --locked --no-default-features --test hid --message-format=json-render-diagnostics \
-        -- -C target-feature=+crt-static | sed -n 's/.*"executable":"\([^"]*\/hid-[^"]*\)".*/\1/p')
-    [ -n "$program" ] || cannot "the program does not build"
+        -- -C target-feature=+crt-static | sed -n 's/.*"executable":"\([^"]*\/hid-[^"]*\)".*/\1/p') && [ -n "$program" ] || cannot "the program does not build"
 fi
 pack "$program"
 

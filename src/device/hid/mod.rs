@@ -14,6 +14,8 @@
 //! | [`emulator`] | a device that is not there, for tests |
 //! | [`check`] | does the loop hold |
 //! | [`vitals`] | what the link tells about itself |
+//!
+//! `bash tests/hid/run.sh` plugs the emulator into the kernel of a small Linux guest and tries all this through real hidraw.
 
 pub mod arm;
 pub mod arms;
@@ -29,3 +31,27 @@ pub mod spacemouse;
 pub mod transport;
 pub mod velocity;
 pub mod vitals;
+
+#[cfg(test)]
+mod tests {
+    use super::report::{spacemouse, teensy, wooden};
+
+    /// A device that is known but not in the rule would be found and not opened.
+    #[test]
+    fn the_udev_rule_names_every_device() {
+        let rule = include_str!("../../../assets/70-dorsum.rules");
+        let rule: Vec<&str> = rule.lines().filter(|line| !line.starts_with('#')).collect();
+        let named = |(vendor, product): (u16, u16)| {
+            let id = format!("*:{vendor:04X}:{product:04X}.*");
+            rule.iter()
+                .any(|line| line.contains(&id) && line.ends_with("TAG+=\"uaccess\""))
+        };
+        for ids in spacemouse::IDS
+            .into_iter()
+            .chain([wooden::IDS, teensy::IDS])
+        {
+            assert!(named(ids), "{:04X}:{:04X}", ids.0, ids.1);
+        }
+        assert!(!named((0x1234, 0x0007)));
+    }
+}

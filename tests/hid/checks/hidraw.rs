@@ -1,115 +1,20 @@
-//! The checks, one function each. Every one says what it measured, or what is wrong.
+//! The kernel's hidraw and `hidapi` on top of it: what Dorsum takes for granted of them.
 
 use std::collections::BTreeSet;
 use std::process::Command;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use super::{same, settle};
 use crate::board::{COUNTS_PER_MA, Fault};
-use crate::host::{Opened, PATIENCE, awaited, count, everything, listed, missing, word};
+use crate::host::{Opened, awaited, count, everything, listed, missing, word};
 use crate::kinds::{Kind, Speaks};
 use crate::plug::Emulated;
 
 /// Reports that hidraw keeps for a reader that does not come: `HIDRAW_BUFFER_SIZE`, one place left free.
 const KEPT: usize = 63;
 
-/// Something that must hold, the devices it must hold for, and the faulty devices that it must not let pass.
-pub struct Check {
-    pub title: &'static str,
-    pub kinds: &'static [&'static str],
-    pub run: fn(key: &str, fault: Option<Fault>) -> Result<String, String>,
-    /// Each with a word of what it must be refused for: a check that fails for another reason has noticed nothing.
-    pub catches: &'static [(Fault, &'static str)],
-}
-
-const ARMS: &[&str] = &["wooden-8", "wooden-14", "teensy-64"];
-const MICE: &[&str] = &["spacemouse-split", "spacemouse-whole"];
-const ALL: &[&str] = &[
-    "wooden-8",
-    "wooden-14",
-    "teensy-64",
-    "spacemouse-split",
-    "spacemouse-whole",
-];
-
-pub static CHECKS: [Check; 11] = [
-    Check {
-        title: "listed",
-        kinds: ALL,
-        run: is_listed,
-        catches: &[(Fault::Alias, "serial number"), (Fault::Page, "usage page")],
-    },
-    Check {
-        title: "udev rule",
-        kinds: ALL,
-        run: may_be_opened,
-        catches: &[(Fault::Stranger, "no tag")],
-    },
-    Check {
-        title: "read",
-        kinds: ARMS,
-        run: reads,
-        catches: &[
-            (Fault::Short, "report"),
-            (Fault::Loses, "reports lost"),
-            (Fault::Frozen, "frozen"),
-        ],
-    },
-    Check {
-        title: "read, numbered",
-        kinds: MICE,
-        run: reads_numbered,
-        catches: &[
-            (Fault::Short, "report"),
-            (Fault::Loses, "step of"),
-            (Fault::Frozen, "step of"),
-        ],
-    },
-    Check {
-        title: "write",
-        kinds: ARMS,
-        run: writes,
-        catches: &[(Fault::Shifted, "encoder a")],
-    },
-    Check {
-        title: "lamp",
-        kinds: MICE,
-        run: lights,
-        catches: &[],
-    },
-    Check {
-        title: "drain to newest",
-        kinds: &["wooden-8", "teensy-64"],
-        run: drains,
-        catches: &[(Fault::Frozen, "newest count")],
-    },
-    Check {
-        title: "unplug, replug",
-        kinds: ALL,
-        run: replugs,
-        catches: &[(Fault::Stays, "reading goes on")],
-    },
-    Check {
-        title: "silent host",
-        kinds: ARMS,
-        run: falls_silent,
-        catches: &[(Fault::Deaf, "stay on")],
-    },
-    Check {
-        title: "two, one serial",
-        kinds: ARMS,
-        run: tells_twins,
-        catches: &[(Fault::Stays, "still answers")],
-    },
-    Check {
-        title: "1 kHz both ways",
-        kinds: &["teensy-64"],
-        run: keeps_up,
-        catches: &[(Fault::Loses, "on the way in")],
-    },
-];
-
-fn is_listed(key: &str, fault: Option<Fault>) -> Result<String, String> {
+pub fn is_listed(key: &str, fault: Option<Fault>) -> Result<String, String> {
     let device = Emulated::plugged(key, "D-0017", 0, fault)?;
     let kind = device.kind;
     let found = awaited(kind, 1)?.remove(0);
@@ -139,7 +44,7 @@ fn is_listed(key: &str, fault: Option<Fault>) -> Result<String, String> {
 }
 
 /// The rule that comes with Dorsum gives the device to the user of the session, as udev itself reads it.
-fn may_be_opened(key: &str, fault: Option<Fault>) -> Result<String, String> {
+pub fn may_be_opened(key: &str, fault: Option<Fault>) -> Result<String, String> {
     let device = Emulated::plugged(key, "V-0017", 0, fault)?;
     let path = settle(|| {
         let all = everything()?;
@@ -175,7 +80,7 @@ fn may_be_opened(key: &str, fault: Option<Fault>) -> Result<String, String> {
     }
 }
 
-fn reads(key: &str, fault: Option<Fault>) -> Result<String, String> {
+pub fn reads(key: &str, fault: Option<Fault>) -> Result<String, String> {
     const REPORTS: u32 = 300;
     let device = Emulated::plugged(key, "R", 0, fault)?;
     let mut host = Opened::only(&device)?;
@@ -203,7 +108,7 @@ fn reads(key: &str, fault: Option<Fault>) -> Result<String, String> {
     ))
 }
 
-fn reads_numbered(key: &str, fault: Option<Fault>) -> Result<String, String> {
+pub fn reads_numbered(key: &str, fault: Option<Fault>) -> Result<String, String> {
     const REPORTS: usize = 300;
     let device = Emulated::plugged(key, "N", 0, fault)?;
     let host = Opened::only(&device)?;
@@ -238,7 +143,7 @@ fn reads_numbered(key: &str, fault: Option<Fault>) -> Result<String, String> {
 }
 
 /// Currents arrive byte for byte behind the id byte, and the arm rests where they and its spring balance.
-fn writes(key: &str, fault: Option<Fault>) -> Result<String, String> {
+pub fn writes(key: &str, fault: Option<Fault>) -> Result<String, String> {
     const CURRENT_MA: [i16; 3] = [1000, -300, 2];
     let mut device = Emulated::plugged(key, "W", 0, fault)?;
     let mut host = Opened::only(&device)?;
@@ -268,7 +173,7 @@ fn writes(key: &str, fault: Option<Fault>) -> Result<String, String> {
     ))
 }
 
-fn lights(key: &str, fault: Option<Fault>) -> Result<String, String> {
+pub fn lights(key: &str, fault: Option<Fault>) -> Result<String, String> {
     let mut device = Emulated::plugged(key, "L", 0, fault)?;
     let mut host = Opened::only(&device)?;
     for on in [1, 0, 1] {
@@ -282,7 +187,7 @@ fn lights(key: &str, fault: Option<Fault>) -> Result<String, String> {
 
 /// What waited while nobody read is thrown away at once, and what counts is the newest; past what the kernel keeps,
 /// the newest that waits is old, and only the next is fresh.
-fn drains(key: &str, fault: Option<Fault>) -> Result<String, String> {
+pub fn drains(key: &str, fault: Option<Fault>) -> Result<String, String> {
     let mut device = Emulated::plugged(key, "Q", 0, fault)?;
     let host = Opened::only(&device)?;
     host.read()?;
@@ -320,7 +225,7 @@ fn drains(key: &str, fault: Option<Fault>) -> Result<String, String> {
     ))
 }
 
-fn replugs(key: &str, fault: Option<Fault>) -> Result<String, String> {
+pub fn replugs(key: &str, fault: Option<Fault>) -> Result<String, String> {
     let mut device = Emulated::plugged(key, "U", 0, fault)?;
     let mut host = Opened::only(&device)?;
     host.drive([0; 3])?;
@@ -351,7 +256,7 @@ fn replugs(key: &str, fault: Option<Fault>) -> Result<String, String> {
 }
 
 /// The board takes the currents off by itself when the host falls silent, and the arm goes home.
-fn falls_silent(key: &str, fault: Option<Fault>) -> Result<String, String> {
+pub fn falls_silent(key: &str, fault: Option<Fault>) -> Result<String, String> {
     const REPORTS: u64 = 100;
     let mut device = Emulated::plugged(key, "S", 0, fault)?;
     let mut host = Opened::only(&device)?;
@@ -380,7 +285,7 @@ fn falls_silent(key: &str, fault: Option<Fault>) -> Result<String, String> {
 }
 
 /// Two devices that say the same of themselves are two by their paths, and each path leads to one of them.
-fn tells_twins(key: &str, fault: Option<Fault>) -> Result<String, String> {
+pub fn tells_twins(key: &str, fault: Option<Fault>) -> Result<String, String> {
     let offsets = [100, -200];
     let mut twins = [
         Emulated::plugged(key, "SAME", offsets[0], fault)?,
@@ -429,7 +334,7 @@ fn tells_twins(key: &str, fault: Option<Fault>) -> Result<String, String> {
     ))
 }
 
-fn keeps_up(key: &str, fault: Option<Fault>) -> Result<String, String> {
+pub fn keeps_up(key: &str, fault: Option<Fault>) -> Result<String, String> {
     // A faulty device need not be watched for long.
     let reports: u32 = if fault.is_some() { 500 } else { 10_000 };
     let mut device = Emulated::plugged(key, "K", 0, fault)?;
@@ -466,24 +371,4 @@ fn keeps_up(key: &str, fault: Option<Fault>) -> Result<String, String> {
         "{reports} each way at {rate_hz:.0} Hz, 0 + 0 lost, longest gap {:.1} ms",
         worst.as_secs_f64() * 1e3
     ))
-}
-
-/// Asks until there is an answer or patience ends.
-fn settle<T>(mut ask: impl FnMut() -> Result<Option<T>, String>) -> Result<Option<T>, String> {
-    let start = Instant::now();
-    while start.elapsed() < PATIENCE {
-        if let Some(answer) = ask()? {
-            return Ok(Some(answer));
-        }
-        sleep(Duration::from_millis(1));
-    }
-    Ok(None)
-}
-
-fn same<T: PartialEq + std::fmt::Debug>(what: &str, found: T, expected: T) -> Result<(), String> {
-    if found == expected {
-        Ok(())
-    } else {
-        Err(format!("{what}: {found:?}, expected {expected:?}"))
-    }
 }
