@@ -30,8 +30,8 @@ fn pressed(key: &str, fault: Option<Fault>, delay_ms: u16) -> (Checked, Outcome)
     let program = Path::new(env!("CARGO_BIN_EXE_dorsum"));
     let (emulator, port) = Emulated::spawn(program, &request).unwrap();
     let mut calibration = arms.defaults();
-    if fault.is_none() {
-        // A busy machine must not be taken for a silent device where none is wanted.
+    if !matches!(fault, Some(Fault::Silent | Fault::Short | Fault::Slow)) {
+        // A busy machine must not be taken for a silent device where that is not what is tried.
         calibration.guards.silence_ms = 100.0;
         calibration.guards.command_timeout_ms = 100.0;
     }
@@ -56,6 +56,17 @@ fn undisturbed(key: &str, delay_ms: u16) -> (Checked, Outcome) {
         }
     }
     panic!("{key}: held up five times for 100 ms");
+}
+
+/// The same with a fault; once more where the machine held the loop up before it came, which ends the press.
+fn failed(key: &str, fault: Fault) -> (Checked, Outcome) {
+    for _ in 0..5 {
+        let (checked, truth) = pressed(key, Some(fault), 0);
+        if truth.fault_n.is_some() {
+            return (checked, truth);
+        }
+    }
+    panic!("{key}: held up five times before {fault:?}");
 }
 
 #[test]
@@ -111,7 +122,7 @@ const TABLE: [(Fault, &str, Condition, f64); 9] = [
 #[test]
 fn every_fault_in_the_middle_of_a_press_ends_at_no_force() {
     for (fault, key, condition, bound_ms) in TABLE {
-        let (checked, truth) = pressed(key, Some(fault), 0);
+        let (checked, truth) = failed(key, fault);
         let told = format!("{fault:?} of {key}: {checked:?} {truth:?}");
         assert!(
             truth.fault_n.is_some_and(|n| n >= 1.0),
@@ -131,7 +142,7 @@ fn every_fault_in_the_middle_of_a_press_ends_at_no_force() {
 
 #[test]
 fn a_device_that_is_slow_gets_no_force_between_its_reports() {
-    let (checked, truth) = pressed("woodenhaptics", Some(Fault::Slow), 0);
+    let (checked, truth) = failed("woodenhaptics", Fault::Slow);
     // It is found good with each report and silent soon after; who comes back inside the skin feels nothing.
     assert_eq!(checked.force_n, [0.0; 3], "{checked:?}");
     assert!(
@@ -144,7 +155,7 @@ fn a_device_that_is_slow_gets_no_force_between_its_reports() {
 /// Boards without a counter cannot be told from a still hand: the force stays what it was, within the rated force.
 #[test]
 fn frozen_reports_without_a_counter_hold_the_force_and_raise_none() {
-    let (checked, truth) = pressed("polhem", Some(Fault::Frozen), 0);
+    let (checked, truth) = failed("polhem", Fault::Frozen);
     assert_eq!(checked.condition, Some(Condition::Good));
     let before_n = truth.fault_n.unwrap();
     assert!(truth.highest_since_n <= before_n + 0.1, "{truth:?}");

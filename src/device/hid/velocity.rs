@@ -9,7 +9,7 @@ use crate::geom::Vec3;
 /// When reports left the device, told from when they came.
 ///
 /// They leave evenly and come when the host has time. Each is taken to have left its period after the one before, never
-/// later than it came, and at most [`MOST_LATE_S`] before: so a device that is slower or faster than it states is followed
+/// later than it came, and at most 20 ms before: so a device that is slower or faster than it states is followed
 /// too. Without this two reports that come 10 µs apart make one encoder step a speed of 6 m/s.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {

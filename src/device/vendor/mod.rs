@@ -2,7 +2,7 @@
 //! and services.
 //!
 //! That software stands in for the wire: what it says of a device goes through the same guard, thread and counts as what a
-//! HID device says ([`Linked`](crate::device::hid::link::Linked)). Only the two files that call libraries hold unsafe code.
+//! HID device says ([`Linked`]). Only the two files that call libraries hold unsafe code.
 
 pub mod force_dimension;
 pub mod haply;
