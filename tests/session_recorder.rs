@@ -370,6 +370,85 @@ fn what_is_felt_while_a_recording_is_held_is_not_in_it() {
     assert_eq!(kinds, ["restart"], "a gap, and nothing lost");
 }
 
+/// A disk that takes its time for everything.
+struct SlowDisk(std::fs::File);
+
+impl Store for SlowDisk {
+    fn append(&self, bytes: &[u8]) -> io::Result<()> {
+        std::thread::sleep(Duration::from_millis(150));
+        self.0.append(bytes)
+    }
+
+    fn keep(&self) -> io::Result<()> {
+        std::thread::sleep(Duration::from_millis(400));
+        self.0.keep()
+    }
+}
+
+#[test]
+fn a_slow_disk_costs_no_tick_and_the_status_does_not_wait_for_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("slow.mcap");
+    let (mut ring, records) = RingBuffer::new(16 * 1024);
+    let recorder = RecorderThread::spawn(records, None).unwrap();
+    let disk = SlowDisk(std::fs::File::create(&path).unwrap());
+    recorder.start_on(Box::new(disk), &path, header(2)).unwrap();
+    let started = Instant::now();
+    let mut tick = 0;
+    let mut waited = Duration::ZERO;
+    while tick < 3000 {
+        let due = (started.elapsed().as_millis() as u64).min(3000);
+        for t in tick..due {
+            for finger in 0..2 {
+                assert!(ring.push(record(t, finger)).is_ok(), "lost at {t}");
+            }
+        }
+        tick = due;
+        let asked = Instant::now();
+        assert!(!matches!(
+            recorder.status().state,
+            RecorderState::Failed { .. }
+        ));
+        waited = waited.max(asked.elapsed());
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let summary = recorder.stop().unwrap();
+    assert_eq!((summary.ticks, summary.lost), (3000, 0));
+    assert_eq!(ticks_in(&path), (0..3000).collect::<Vec<_>>());
+    assert!(waited < Duration::from_millis(400), "{waited:?}");
+}
+
+#[test]
+fn faults_are_told_by_the_recorder_and_what_it_carries_is_in_every_file() {
+    let mut bench = Bench::new();
+    let path = bench.path();
+    let carried = dorsum::session::Extras {
+        calibrations: vec!["zeroed".into(), String::new()],
+        ..dorsum::session::Extras::of_this_machine()
+    };
+    bench.recorder.carry(carried.clone());
+    bench.recorder.start(&path, header(2)).unwrap();
+    for tick in 0..300 {
+        for finger in 0..2 {
+            let mut r = record(tick, finger);
+            r.reading.connected = finger == 0 || !(100..200).contains(&tick);
+            r.late = tick == 50;
+            bench.ring.push(r).unwrap();
+        }
+    }
+    bench.recorder.stop().unwrap();
+    let session = Session::open(&path).unwrap();
+    assert_eq!(session.extras().unwrap(), carried);
+    let read = session.load(Strictness::Strict).unwrap();
+    let told: Vec<_> = read.events.iter().map(|e| (e.tick, &*e.kind)).collect();
+    assert_eq!(told, [(50, "fault"), (100, "fault"), (200, "fault")]);
+    assert!(
+        read.events[1].text.contains("finger 1"),
+        "{:?}",
+        read.events
+    );
+}
+
 const KILLED: &str = "DORSUM_TEST_RECORD_UNTIL_KILLED";
 
 /// Not a test of its own: what [`a_killed_program_loses_a_second_at_most`] runs in a process to be killed.

@@ -362,6 +362,136 @@ fn playback_shows_the_recorded_records() {
     assert!(seen.len() >= 299);
 }
 
+fn otherwise(
+    file: &File,
+    rig: Rig,
+    rate_hz: Option<f64>,
+) -> (dorsum::session::Divergence, Vec<dorsum::session::Off>) {
+    let how = dorsum::session::Otherwise {
+        rate_hz,
+        rebuild: None,
+    };
+    let mut offs = Vec::new();
+    let found =
+        dorsum::session::diverge(&file.session(), rig, how, Strictness::Strict, |off, _| {
+            offs.push(*off);
+            true
+        });
+    (found.unwrap(), offs)
+}
+
+#[test]
+fn felt_the_same_it_is_off_by_nothing() {
+    let mut ticks = ticks(1200);
+    ticks.retain(|t| !(300..340).contains(&t.fingers[0].tick));
+    let file = recorded(ticks);
+    for rate_hz in [None, Some(1000.0)] {
+        let (found, offs) = otherwise(&file, rig(0.2), rate_hz);
+        assert_eq!((found.compared, found.gaps), (1158, 1));
+        assert_eq!(offs.len(), 2 * 1158);
+        assert!(
+            offs.iter()
+                .all(|o| o.proxy_mm == Vec3::ZERO && o.sent_force_n == Vec3::ZERO)
+        );
+        assert!(found.fingers.iter().all(|f| f.depth_mm.max == 0.0));
+    }
+}
+
+#[test]
+fn twice_the_stiffness_is_off_by_the_force_itself() {
+    let run = ticks(900);
+    let file = recorded(run.clone());
+    let mut rig = rig(0.2);
+    let Stiffness::PerVertex(values) = &rig.scene.stiffness else {
+        panic!("the sheet has one value per vertex");
+    };
+    let twice = values.iter().map(|k| 2.0 * k).collect();
+    rig.scene.stiffness = Stiffness::PerVertex(twice);
+    rig.scene.friction = None;
+    // Without friction on either side: the recorded one is computed again.
+    let mut plain = self::rig(0.2);
+    plain.scene.friction = None;
+    let run: Vec<_> = run
+        .iter()
+        .map(|t| tick(&mut plain, &dorsum::session::input_of(t), DT_S))
+        .collect();
+    let plain = recorded(run.clone());
+    let (found, offs) = otherwise(&plain, rig, None);
+    let mut touched = 0;
+    for off in offs.iter().filter(|o| o.finger == 0) {
+        let was = &run[off.tick as usize].fingers[0];
+        let apart = (off.force_n - was.contact.force_n).length();
+        assert!(
+            apart <= 1e-9 * was.contact.force_n.length(),
+            "tick {}",
+            off.tick
+        );
+        touched += usize::from(off.force_n != Vec3::ZERO);
+    }
+    assert!(touched > 50);
+    let greatest = offs
+        .iter()
+        .filter(|o| o.finger == 0)
+        .map(|o| o.force_n.length())
+        .fold(0.0, f64::max);
+    assert_eq!(found.fingers[0].force_n.max, greatest);
+    drop(file);
+}
+
+#[test]
+fn at_a_higher_rate_a_smooth_motion_is_felt_nearly_the_same_and_at_a_lower_one_held() {
+    let smooth = |n: u64| {
+        let mut rig = rig(0.2);
+        rig.scene.friction = None;
+        let mut run = Vec::new();
+        for i in 0..n {
+            let mut given = input(i);
+            given.late = false;
+            given.force_enabled = true;
+            given.n_fingers = 1;
+            given.place_anew = Default::default();
+            given.readings[0].connected = true;
+            let t = i as f64 * DT_S;
+            given.readings[0].position_mm = Vec3::new(5.0, 5.0, 3.0 * libm::cos(4.0 * t));
+            run.push(tick(&mut rig, &given, DT_S));
+        }
+        run
+    };
+    let mut run = smooth(2000);
+    // The header names two fingers.
+    for t in &mut run {
+        t.n_fingers = 2;
+        t.fingers[1] = FingerRecord {
+            finger: 1,
+            tick: t.fingers[0].tick,
+            ..FingerRecord::default()
+        };
+    }
+    let file = recorded(run);
+    let without_friction = || {
+        let mut rig = rig(0.2);
+        rig.scene.friction = None;
+        rig
+    };
+    let (fine, _) = otherwise(&file, without_friction(), Some(4000.0));
+    assert_eq!((fine.compared, fine.computed), (1999, 4 * 1999));
+    assert!(fine.fingers[0].proxy_mm.max < 1e-9, "{fine:?}");
+    let (coarse, offs) = otherwise(&file, without_friction(), Some(100.0));
+    assert_eq!((coarse.compared, coarse.computed), (1999, 199));
+    // The newest tick is up to 9 ms old: so long the finger has moved on, at most 12 mm/s.
+    let depth = coarse.fingers[0].depth_mm;
+    assert!(
+        depth.max > 0.01 && depth.max < 0.012 * 9.0 + 0.05,
+        "{depth:?}"
+    );
+    let at_ticks = offs.iter().filter(|o| o.finger == 0 && o.tick % 10 == 0);
+    assert!(at_ticks.clone().count() > 100);
+    assert!(at_ticks.into_iter().all(|o| o.depth_mm.abs() < 1e-9));
+    // A rate that is no multiple ends where it must.
+    let (odd, _) = otherwise(&file, without_friction(), Some(333.0));
+    assert!((665..=666).contains(&odd.computed), "{}", odd.computed);
+}
+
 fn scripted(x: f64) -> Box<dyn Device> {
     let script = Script::Tap.trajectory((x, 0.0), 4.0, |x, _| Some(0.2 * x));
     Box::new(Scripted::new(script))

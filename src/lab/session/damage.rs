@@ -424,8 +424,10 @@ fn kill(program: &Path, path: &Path, life: u64) -> Result<Fate, LabError> {
         .spawn();
     let mut child = Running(child.map_err(input)?);
     let mut pushed = 0;
-    if let Some(out) = child.0.stdout.take() {
-        for line in BufReader::new(out).lines() {
+    // Kept open until it is dead: it is to be killed, not to end.
+    let mut out = child.0.stdout.take().map(BufReader::new);
+    if let Some(out) = &mut out {
+        for line in out.lines() {
             pushed = line.map_err(input)?.trim().parse().map_err(input)?;
             if pushed >= life {
                 break;
@@ -433,6 +435,7 @@ fn kill(program: &Path, path: &Path, life: u64) -> Result<Fate, LabError> {
         }
     }
     drop(child);
+    drop(out);
     let out = path.with_extension("saved.mcap");
     let saved = Saved::of(path, &out);
     for file in [path, &out] {

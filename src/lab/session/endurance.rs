@@ -290,17 +290,17 @@ impl Hours {
             }
             None => "nothing".into(),
         };
-        self.scrub("finished", path, watch)?;
+        self.scrub("finished", path, &mut watch.part(0.96, 0.97))?;
         watch.at("compressing", 0.97)?;
         let began = Instant::now();
         let made = compress(path, &mut |_| true).map_err(input)?;
         self.compress_s = began.elapsed().as_secs_f64();
         self.megabytes = (made.before as f64 / 1e6, made.after as f64 / 1e6);
-        self.scrub("compressed", path, watch)?;
+        self.scrub("compressed", path, &mut watch.part(0.98, 0.99))?;
         // Without its end, as a killed recording.
         let file = OpenOptions::new().write(true).open(path).map_err(input)?;
         file.set_len(made.after - 40).map_err(input)?;
-        self.scrub("killed", path, watch)
+        self.scrub("killed", path, &mut watch.part(0.99, 1.0))
     }
 
     fn scrub(
@@ -309,7 +309,7 @@ impl Hours {
         path: &Path,
         watch: &mut Watch<'_>,
     ) -> Result<(), LabError> {
-        watch.at("opening and scrubbing", 0.98)?;
+        watch.at("opening and scrubbing", 0.0)?;
         let began = Instant::now();
         let timeline = Timeline::open(path).map_err(input)?;
         let opened_ms = began.elapsed().as_secs_f64() * 1e3;
