@@ -9,7 +9,7 @@ use crate::app::history::History;
 use crate::app::state::{BuildStatus, PlaybackStatus, RecordedEvent};
 use crate::scenario::{self, Scenario, Scene, Use};
 use crate::servo::FingerRecord;
-use crate::session::{MeshSource, Playback, Timeline};
+use crate::session::{MeshSource, Playback, Session, Timeline};
 use crate::units::s_from_ns;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
@@ -149,7 +149,11 @@ fn rebuild(
     progress: &mut dyn FnMut(&str, f64) -> bool,
 ) -> Result<Scene, String> {
     let origin = format!("scenario in {}", file_name(path));
-    let scenario = Scenario::parse(toml, &origin, path.parent()).map_err(|e| e.to_string())?;
+    // The mesh may have travelled along, if it is not beside the recording.
+    let session = Session::open(path).map_err(|e| e.to_string())?;
+    let folder = session.folder().map_err(|e| e.to_string())?;
+    let scenario =
+        Scenario::parse(toml, &origin, Some(folder.path())).map_err(|e| e.to_string())?;
     scenario::build(Arc::new(scenario), purpose, progress).map_err(|e| e.to_string())
 }
 
