@@ -201,7 +201,9 @@ fn the_command_line_lists_every_family_and_tries_an_emulated_one() {
         "2.5",
         "--json",
     ];
-    let (code, out, err) = dorsum(&words);
+    // A busy machine can end the press before the fault comes; the program says so.
+    let ended = |_: &u32| Some(dorsum(&words)).filter(|(_, out, _)| !out.contains("it never came"));
+    let (code, out, err) = (0..5).find_map(|i| ended(&i)).unwrap();
     assert_eq!((code, err.as_str()), (Some(0), ""), "{out}");
     let told: serde_json::Value = serde_json::from_str(&out).unwrap();
     assert_eq!(told["condition"], "jumped");

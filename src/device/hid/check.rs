@@ -47,12 +47,17 @@ pub struct Checked {
 }
 
 impl Checked {
-    /// What does not hold, if anything: it is connected at the end, reports at half of `nominal_hz` at least, and loses one
+    /// What does not hold, if anything: it answers in nine of ten ticks, reports at half of `nominal_hz` at least, and loses one
     /// in a thousand at most. A device that speaks only when moved states 0 Hz and is not held to a rate.
     pub fn fault(&self, nominal_hz: f64) -> Option<String> {
         let condition = self.condition.unwrap_or_default();
-        if condition != Condition::Good && (nominal_hz > 0.0 || condition.is_final()) {
+        let never = condition == Condition::Waiting && nominal_hz > 0.0;
+        if never || condition.is_latched() || condition.is_final() {
             return Some(condition.title().into());
+        }
+        if self.ticks_without * 10 > self.ticks {
+            let (without, ticks) = (self.ticks_without, self.ticks);
+            return Some(format!("no answer in {without} of {ticks} ticks"));
         }
         if self.report_rate_hz < 0.5 * nominal_hz {
             return Some(format!(
