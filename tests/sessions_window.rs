@@ -7,7 +7,7 @@ use dorsum::app::bench::Source;
 use dorsum::app::command::Command;
 use dorsum::app::history::Channel;
 use dorsum::app::shell::Start;
-use dorsum::app::state::Alignment;
+use dorsum::app::state::{Alignment, Compared};
 use dorsum::contact::Touch;
 use dorsum::scenario::{self, Item};
 use dorsum::session::{DeviceInfo, Header, IfExists, MeshSource, SessionWriter};
@@ -315,4 +315,47 @@ fn an_hour_opens_before_it_is_read_and_shows_any_instant() {
             && points.iter().map(Vec::len).sum::<usize>() >= 400
             && history.span_s().is_some_and(|(_, end_s)| end_s > 3599.0)
     });
+}
+
+#[test]
+fn two_recordings_are_compared_with_the_right_numbers() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let paths = [make(folder.path(), &NOVICE), make(folder.path(), &EXPERT)];
+    let mut harness = desk(folder.path());
+    let tagged = |(path, tag): (&PathBuf, &str)| Compared {
+        path: path.clone(),
+        tags: vec![tag.to_owned()],
+    };
+    let recordings = paths.iter().zip(["novice", "expert"]).map(tagged);
+    apply(&mut harness, Command::Compare(recordings.collect()));
+    until_said(&mut harness, "A P01");
+    until_said(&mut harness, "B P02");
+    until_said(&mut harness, "Peak force");
+    // 0.5 N/mm: 3 mm deep the one, 6 mm the other, for 1.5 s and 3 s.
+    for value in ["1.5", "3"] {
+        assert!(harness.query_all_by_label(value).count() >= 2, "{value}");
+    }
+    click(&mut harness, "Page Difference");
+    until_said(&mut harness, "B P02 against A, by time");
+    until_said(&mut harness, "largest 3.000 N");
+    click(&mut harness, "Page Dwell");
+    until_said(&mut harness, "Dwell map of A P01");
+    until_said(&mut harness, "1.5 s on the skin");
+    until_said(&mut harness, "3.0 s on the skin");
+    for (page, text) in [
+        ("Traces", "Figure: Overlaid force (N)"),
+        ("Agreement", "Bias"),
+        ("Learning", "over sessions"),
+        ("Groups", "Choose two groups"),
+    ] {
+        click(&mut harness, &format!("Page {page}"));
+        until_said(&mut harness, text);
+        harness.check_accessibility();
+    }
+    assert!(view(harness.state()).parts.has(Item::Comparison));
+    click(&mut harness, "Take B out");
+    until_said(&mut harness, "tag the recordings in the Sessions panel");
+    click(&mut harness, "Take A out");
+    until_said(&mut harness, "Nothing to compare yet");
+    assert!(!view(harness.state()).parts.has(Item::Comparison));
 }

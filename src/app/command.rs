@@ -5,7 +5,7 @@
 
 use super::bench::Wish;
 use super::messages::Level;
-use super::state::Alignment;
+use super::state::{Alignment, Compared};
 use egui::{Key, KeyboardShortcut, Modifiers};
 use egui_material_icons::MaterialIcon;
 use egui_material_icons::icons as icon;
@@ -49,7 +49,7 @@ pub enum Command {
     /// Write what can be read of a damaged recording to a new file beside it.
     RecoverRecording(PathBuf),
     /// Add recordings to those that are compared, and show them.
-    Compare(Vec<PathBuf>),
+    Compare(Vec<Compared>),
     /// Take a recording out of those that are compared.
     Uncompare(PathBuf),
     /// Show recordings as ghosts beside the one that is replayed.
@@ -69,6 +69,8 @@ pub enum Command {
     Mark(String),
     /// Give new recordings this pseudonym; none when empty.
     SetParticipant(String),
+    /// Compress recordings when they are finished, or leave them as they are.
+    SetCompressed(bool),
     /// Pause at each event of the open recording, or play past them.
     SetFollowing(bool),
     /// Go to a time of the open recording, s.

@@ -50,6 +50,22 @@ pub fn open_recording(send: &CommandSender, folder: PathBuf) {
     });
 }
 
+/// Asks for a recording; `then` gets its path.
+pub fn pick_recording(
+    send: &CommandSender,
+    folder: PathBuf,
+    then: impl FnOnce(PathBuf) + Send + 'static,
+) {
+    ask(send, "a recording", move |dialog| {
+        let picked = dialog
+            .set_title("Choose recording")
+            .add_filter("Recording", &["mcap"])
+            .set_directory(folder)
+            .pick_file();
+        answered(picked, then)
+    });
+}
+
 /// Asks where to copy a recording to.
 pub fn save_recording(send: &CommandSender, from: PathBuf) {
     ask(send, "a place for the recording", move |dialog| {

@@ -50,7 +50,7 @@ pub struct View {
     /// How they are aligned with it.
     pub alignment: Alignment,
     /// The recordings that are compared.
-    pub compared: Arc<Vec<PathBuf>>,
+    pub compared: Arc<Vec<Compared>>,
     /// What the recorder does.
     pub recorder: RecorderStatus,
     /// Memory of the servo's ring and of what drains it, bytes; 0 while no servo runs.
@@ -239,6 +239,15 @@ pub struct RecordedEvent {
     pub text: String,
 }
 
+/// A recording that is compared.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Compared {
+    /// The file.
+    pub path: PathBuf,
+    /// What the user wrote on it: groups are made by that.
+    pub tags: Vec<String>,
+}
+
 /// What makes the times of two recordings one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Alignment {
@@ -292,6 +301,8 @@ pub struct RecorderStatus {
     pub lost: u64,
     /// Why the last recording broke off.
     pub failed: Option<String>,
+    /// Whether recordings are compressed when they are finished.
+    pub compresses: bool,
     /// Pseudonym that new recordings are given.
     pub participant: String,
     /// Memory it holds while it records, bytes.

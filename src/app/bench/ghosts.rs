@@ -192,7 +192,7 @@ fn name_of(ghost: &Ghost) -> String {
     let header = ghost.timeline.header();
     match &header.participant {
         Some(participant) => format!("{participant}, {}", header.scenario_name),
-        None => file_name(&ghost.path),
+        None => header.scenario_name.clone(),
     }
 }
 

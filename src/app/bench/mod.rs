@@ -14,6 +14,7 @@ mod live;
 mod past;
 mod recording;
 mod replay;
+mod rewriting;
 
 pub use builder::{Source, file_name};
 pub use exercise::{Unfinished, Wish, unfinished};
@@ -21,7 +22,7 @@ pub use live::FINGERS;
 
 use super::history::History;
 use super::messages::{Level, Messages};
-use super::state::{Alignment, View};
+use super::state::{Alignment, Compared, View};
 use crate::contact::Touch;
 use crate::scenario::{self, BuildError, Scene, Use};
 use crate::servo::{Fault, FingerRecord, Health, Snapshot};
@@ -36,6 +37,7 @@ use job::Job;
 use live::Live;
 use recording::{Done, Recordings};
 use replay::{Opening, Replay};
+use rewriting::Rewriting;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -115,10 +117,11 @@ pub struct Bench {
     replay: Option<Replay>,
     /// Overlaid on it, or wished for while it is being opened.
     ghosts: Ghosts,
+    rewriting: Rewriting,
     last_poll: Instant,
     demo: Option<Demo>,
     /// The recordings that are compared, in the order in which they were added.
-    compared: Arc<Vec<PathBuf>>,
+    compared: Arc<Vec<Compared>>,
     force_enabled: bool,
     /// Whether a Back view is open.
     drawn: bool,
@@ -154,6 +157,7 @@ impl Bench {
             opening: None,
             replay: None,
             ghosts: Ghosts::default(),
+            rewriting: Rewriting::default(),
             last_poll: Instant::now(),
             demo: None,
             compared: Arc::default(),
@@ -218,6 +222,7 @@ impl Bench {
         if let Some(opening) = &self.opening {
             opening.cancel();
         }
+        self.rewriting.cancel();
     }
 
     /// Switches force output: off is the emergency stop.
@@ -254,6 +259,7 @@ impl Bench {
         changed |= self.poll_ready();
         changed |= self.poll_opening();
         changed |= self.poll_ghosts();
+        changed |= self.poll_rewriting();
         changed |= self.poll_saving();
         changed |= self.poll_live();
         changed |= self.poll_edits();
@@ -461,6 +467,7 @@ impl Bench {
                         summary.path.display()
                     ),
                 );
+                self.compress_finished(summary.path.clone());
                 if summary.lost > 0 {
                     self.tell(
                         Level::Warning,
@@ -634,26 +641,20 @@ impl Bench {
         }
     }
 
-    /// Adds recordings to those that are compared.
-    pub fn compare(&mut self, paths: Vec<PathBuf>) {
+    /// Adds recordings to those that are compared; one that is there already has its tags anew.
+    pub fn compare(&mut self, recordings: Vec<Compared>) {
         let compared = Arc::make_mut(&mut self.compared);
-        for path in paths {
-            if !compared.contains(&path) {
-                compared.push(path);
+        for recording in recordings {
+            match compared.iter_mut().find(|c| c.path == recording.path) {
+                Some(there) => *there = recording,
+                None => compared.push(recording),
             }
         }
     }
 
     /// Takes a recording out of those that are compared.
     pub fn uncompare(&mut self, path: &Path) {
-        Arc::make_mut(&mut self.compared).retain(|p| p != path);
-    }
-
-    /// Writes what can be read of a damaged recording to a new file beside it.
-    pub fn recover_recording(&mut self, path: PathBuf) {
-        if let Err(e) = self.recordings.recover(path) {
-            self.tell(Level::Error, format!("nothing can be recovered: {e}"));
-        }
+        Arc::make_mut(&mut self.compared).retain(|c| c.path != path);
     }
 
     /// Where recordings are kept.
@@ -741,7 +742,7 @@ impl Bench {
         view.build = match (&self.build, &self.opening) {
             (Some(build), _) => Some(build.status()),
             (None, Some(opening)) => Some(opening.status()),
-            (None, None) => self.ghosts.opening(),
+            (None, None) => self.ghosts.opening().or(self.rewriting.status()),
         };
         view.force_enabled = self.force_enabled;
         view.compared = self.compared.clone();
@@ -750,6 +751,7 @@ impl Bench {
         view.messages = self.messages.list();
         view.recorder = self.recordings.status(self.live.as_ref());
         view.recorder.failed.clone_from(&self.failure);
+        view.recorder.compresses = self.rewriting.compresses;
         match &self.live {
             Some(live) => {
                 view.live = *live.snapshot();

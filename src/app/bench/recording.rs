@@ -78,6 +78,12 @@ impl Recordings {
         self.recent.first().map(|f| f.path.as_path())
     }
 
+    /// Looks at the folder again after something else wrote there.
+    pub fn list_again(&mut self) {
+        self.finished += 1;
+        self.list();
+    }
+
     /// Looks at the folder again.
     pub fn list(&mut self) {
         let mut files: Vec<(String, RecentFile)> = std::fs::read_dir(&self.folder)
@@ -168,14 +174,6 @@ impl Recordings {
         })
     }
 
-    /// Writes what can be read of a damaged recording to a new file beside it.
-    ///
-    /// # Errors
-    /// The system refuses another thread.
-    pub fn recover(&mut self, _broken: PathBuf) -> std::io::Result<()> {
-        Ok(())
-    }
-
     fn run(&mut self, job: impl FnOnce() -> Done + Send + 'static) -> std::io::Result<()> {
         let (send, receive) = mpsc::sync_channel(1);
         std::thread::Builder::new()
@@ -229,6 +227,7 @@ impl Recordings {
             finished: self.finished,
             participant: self.participant.clone(),
             failed: None,
+            compresses: false,
             recent: self.recent.clone(),
             folder: self.folder.clone(),
         }

@@ -1,6 +1,7 @@
 //! The panels: one file each, listed once.
 
 pub mod back_view;
+pub mod compare;
 pub mod ellipse_map;
 pub mod exercise;
 pub mod lab;
@@ -83,6 +84,7 @@ pub fn all() -> Vec<Box<dyn Panel>> {
         Box::new(scenario_editor::ScenarioEditorPanel::default()),
         Box::new(library::LibraryPanel::default()),
         Box::new(sessions::SessionsPanel::default()),
+        Box::new(compare::ComparePanel::default()),
     ]
 }
 

@@ -6,6 +6,7 @@ use crate::app::command::{Action, Command};
 use crate::app::dialogs;
 use crate::app::dock::Layout;
 use crate::app::messages::Level;
+use crate::app::panels;
 use crate::app::roles::Role;
 use crate::app::theme::Theme;
 
@@ -26,7 +27,10 @@ impl Workbench {
             Command::OpenRecording(path) => shared.bench().open_recording(path),
             Command::CopyRecording { from, to } => shared.bench().copy_recording(&from, &to),
             Command::RecoverRecording(path) => shared.bench().recover_recording(path),
-            Command::Compare(paths) => shared.bench().compare(paths),
+            Command::Compare(recordings) => {
+                shared.bench().compare(recordings);
+                self.layout_mut().show(panels::compare::KEY);
+            }
             Command::Uncompare(path) => shared.bench().uncompare(&path),
             Command::AddGhosts(paths) => shared.bench().add_ghosts(paths),
             Command::RemoveGhost(path) => shared.bench().remove_ghost(&path),
@@ -36,6 +40,7 @@ impl Workbench {
             Command::AlignGhosts(alignment) => shared.bench().align_ghosts(alignment),
             Command::Mark(text) => shared.bench().mark(&text),
             Command::SetParticipant(name) => shared.bench().set_participant(name),
+            Command::SetCompressed(on) => shared.bench().set_compresses(on),
             Command::SetFollowing(on) => shared.bench().set_following(on),
             Command::Seek(time_s) => shared.bench().seek(time_s),
             Command::SetPlaying(on) => shared.bench().set_playing(on),

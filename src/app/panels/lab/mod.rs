@@ -8,11 +8,11 @@
 //! | `chart` | figures |
 //! | `table` | tables |
 
-mod chart;
+pub(super) mod chart;
 mod choices;
 mod experiments;
 mod results;
-mod table;
+pub(super) mod table;
 
 use super::{Panel, PanelContext};
 use crate::app::dock::Home;

@@ -106,6 +106,7 @@ impl Recorder {
                     ui.add(egui::Label::new(text).wrap());
                 }
                 participant_ui(ui, cx, recorder);
+                compress_ui(ui, cx, recorder);
                 if recorder.recent.is_empty() {
                     let next = "Press Record and touch the back: every tick of every finger is written, and can be replayed here";
                     ui.add(egui::Label::new(egui::RichText::new(next).weak()).wrap());
@@ -168,6 +169,26 @@ impl Recorder {
                 cx.send.act(Action::OpenRecording);
             }
         });
+    }
+}
+
+/// Whether recordings are compressed when they are finished.
+fn compress_ui(ui: &mut egui::Ui, cx: &PanelContext<'_>, recorder: &RecorderStatus) {
+    let mut on = recorder.compresses;
+    let words = "Compress when finished";
+    let check = ui.checkbox(&mut on, words).on_hover_text(
+        "Half the size: the finished file is written anew beside itself, compared and renamed. While it records nothing is compressed",
+    );
+    check.widget_info(|| {
+        egui::WidgetInfo::selected(
+            egui::accesskit::Role::CheckBox,
+            true,
+            recorder.compresses,
+            words,
+        )
+    });
+    if on != recorder.compresses {
+        cx.send.send(Command::SetCompressed(on));
     }
 }
 

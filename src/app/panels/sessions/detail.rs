@@ -3,6 +3,7 @@
 use super::entry::{Entry, State, duration};
 use crate::app::command::Command;
 use crate::app::panels::{BACK_VIEW_KEY, PanelContext};
+use crate::app::state::Compared;
 use crate::app::widgets::{bytes, named};
 use egui::{Label, RichText};
 use egui_material_icons::icons as icon;
@@ -120,7 +121,9 @@ fn actions_ui(ui: &mut egui::Ui, cx: &PanelContext<'_>, entry: &Entry) {
             .on_disabled_hover_text("There is nothing in it that could be compared");
         named(ui, &compare, "Add to comparison");
         if compare.clicked() {
-            cx.send.send(Command::Compare(vec![entry.path.clone()]));
+            let (path, tags) = (entry.path.clone(), entry.tags.clone());
+            cx.send
+                .send(Command::Compare(vec![Compared { path, tags }]));
         }
         let ghost = ui
             .add_enabled(

@@ -22,7 +22,7 @@ use super::{Panel, PanelContext};
 use crate::app::command::Command;
 use crate::app::dialogs;
 use crate::app::dock::Home;
-use crate::app::state::{BuildStatus, PartCost, View};
+use crate::app::state::{BuildStatus, Compared, PartCost, View};
 use crate::app::theme::Theme;
 use crate::app::widgets::{empty_ui, grouped, icon_button, named};
 use crate::scenario::Item;
@@ -261,36 +261,19 @@ impl SessionsPanel {
         });
         let (offers, filter) = (&held.offers, &mut self.filter);
         ui.horizontal(|ui| {
-            let width = ((ui.available_width() - 26.0) / 4.0).clamp(52.0, 180.0);
-            let any = "Any participant";
+            // Arrow and edges of each, and the room between.
+            let width = ((ui.available_width() - 24.0) / 4.0 - 30.0).clamp(36.0, 160.0);
             let who = &mut filter.participant;
-            choice_ui(
-                ui,
-                "Participant filter",
-                any,
-                &offers.participants,
-                who,
-                width,
-            );
+            choice_ui(ui, "Participant", &offers.participants, who, width);
             let what = &mut filter.scenario;
-            choice_ui(
-                ui,
-                "Scenario filter",
-                "Any scenario",
-                &offers.scenarios,
-                what,
-                width,
-            );
-            choice_ui(
-                ui,
-                "Tag filter",
-                "Any tag",
-                &offers.tags,
-                &mut filter.tag,
-                width,
-            );
+            choice_ui(ui, "Scenario", &offers.scenarios, what, width);
+            choice_ui(ui, "Tag", &offers.tags, &mut filter.tag, width);
+            let text = match filter.since {
+                Since::Any => "Date",
+                since => since.words(),
+            };
             let combo = egui::ComboBox::from_id_salt("since")
-                .selected_text(filter.since.words())
+                .selected_text(text)
                 .width(width)
                 .truncate()
                 .show_ui(ui, |ui| {
@@ -331,7 +314,7 @@ impl SessionsPanel {
                     held.order.len(),
                     entries.len(),
                 );
-                ticked_ui(ui, cx, &mut self.list.ticked);
+                ticked_ui(ui, cx, &entries, &mut self.list.ticked);
                 let Some(entry) = current else {
                     if !entries.is_empty() {
                         ui.weak("Click a recording for more of it; tick several to compare them");
@@ -464,7 +447,12 @@ fn status_ui(
 }
 
 /// What can be done with those that are ticked.
-fn ticked_ui(ui: &mut egui::Ui, cx: &PanelContext<'_>, ticked: &mut BTreeSet<PathBuf>) {
+fn ticked_ui(
+    ui: &mut egui::Ui,
+    cx: &PanelContext<'_>,
+    entries: &[Entry],
+    ticked: &mut BTreeSet<PathBuf>,
+) {
     if ticked.is_empty() {
         return;
     }
@@ -476,7 +464,14 @@ fn ticked_ui(ui: &mut egui::Ui, cx: &PanelContext<'_>, ticked: &mut BTreeSet<Pat
             .on_hover_text("Set the ticked recordings side by side in the Compare panel");
         named(ui, &compare, "Compare ticked");
         if compare.clicked() {
-            cx.send.send(Command::Compare(paths()));
+            let tagged = |path: &PathBuf| Compared {
+                path: path.clone(),
+                tags: (entries.iter().find(|e| e.path == *path))
+                    .map(|e| e.tags.clone())
+                    .unwrap_or_default(),
+            };
+            let recordings = ticked.iter().map(tagged).collect();
+            cx.send.send(Command::Compare(recordings));
         }
         let ghosts = ui
             .button((icon::ICON_LAYERS.rich_text(), "Overlay"))
@@ -499,31 +494,28 @@ fn ticked_ui(ui: &mut egui::Ui, cx: &PanelContext<'_>, ticked: &mut BTreeSet<Pat
     });
 }
 
-/// A list of values to filter by, or none.
+/// A list of values to filter by, or none; `what` it is stands there while all pass.
 fn choice_ui(
     ui: &mut egui::Ui,
-    name: &str,
-    any: &str,
+    what: &str,
     offers: &BTreeSet<String>,
     chosen: &mut Option<String>,
     width: f32,
 ) {
-    let text = chosen.as_deref().unwrap_or(any).to_owned();
-    let combo = egui::ComboBox::from_id_salt(name)
+    let text = chosen.as_deref().unwrap_or(what).to_owned();
+    let lower = what.to_lowercase();
+    let combo = egui::ComboBox::from_id_salt(what)
         .selected_text(text)
         .width(width)
         .truncate()
         .show_ui(ui, |ui| {
-            ui.selectable_value(chosen, None, any);
+            ui.selectable_value(chosen, None, format!("Any {lower}"));
             for offer in offers {
                 ui.selectable_value(chosen, Some(offer.clone()), offer);
             }
         });
-    let why = format!(
-        "Only recordings with this {}",
-        name.trim_end_matches(" filter").to_lowercase()
-    );
-    named_combo(combo.response.on_hover_text(why), name);
+    let why = format!("Only recordings with this {lower}");
+    named_combo(combo.response.on_hover_text(why), &format!("{what} filter"));
 }
 
 fn named_combo(response: egui::Response, name: &str) {
