@@ -39,7 +39,7 @@ pub fn ui(
     .collect();
     ui.add(Label::new(RichText::new(facts.join(" · ")).size(12.0).weak()).truncate());
     let fault = match &entry.state {
-        State::Good => None,
+        State::Unread | State::Good => None,
         State::Sealed => Some((
             "Sealed: its trial was not answered, so it tells nothing",
             theme.weak_text,

@@ -7,6 +7,8 @@ use std::time::SystemTime;
 /// How far a recording can be trusted.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum State {
+    /// Not looked into yet.
+    Unread,
     /// As its writer finished it.
     Good,
     /// A trial that was not answered: nothing is told of it but that.
@@ -15,6 +17,15 @@ pub enum State {
     Damaged(String),
     /// Not readable as it is; why.
     Unreadable(String),
+}
+
+/// What the trial of a recording came to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// In a few words.
+    pub text: String,
+    /// Better ones are higher.
+    pub rank: f64,
 }
 
 /// A recording in the list.
@@ -36,12 +47,12 @@ pub struct Entry {
     pub seconds: Option<f64>,
     /// Ticks that are missing in it.
     pub lost: u64,
-    /// Score of its trial, 0 to 1.
-    pub score: Option<f64>,
+    /// What its trial came to.
+    pub score: Option<Mark>,
     /// What the user wrote on it.
     pub tags: Vec<String>,
     /// Where the fingers dwelt.
-    pub dwell: Option<Arc<super::picture::Dwell>>,
+    pub dwell: Option<Arc<crate::study::index::Thumbnail>>,
 }
 
 impl Entry {
@@ -50,7 +61,7 @@ impl Entry {
         Self {
             path,
             bytes,
-            state: State::Good,
+            state: State::Unread,
             participant: None,
             scenario: String::new(),
             started_utc: String::new(),
@@ -90,7 +101,7 @@ impl Entry {
 
     /// Whether its ticks may be looked at.
     pub fn can_open(&self) -> bool {
-        matches!(self.state, State::Good | State::Damaged(_))
+        matches!(self.state, State::Unread | State::Good | State::Damaged(_))
     }
 
     /// Whether there is something to be recovered.
@@ -103,12 +114,12 @@ impl Entry {
         let mut parts = vec![self.title(), self.date()];
         parts.extend(self.participant.clone());
         parts.extend(self.seconds.map(duration));
-        parts.extend(self.score.map(|s| format!("score {}", score(s))));
+        parts.extend(self.score.as_ref().map(|s| s.text.clone()));
         parts.extend(self.tags.iter().cloned());
         match &self.state {
             State::Damaged(_) => parts.push("damaged".into()),
             State::Unreadable(_) | State::Sealed => parts.push(self.file()),
-            State::Good => {}
+            State::Unread | State::Good => {}
         }
         parts.retain(|p| !p.is_empty());
         parts.join(", ")
@@ -137,11 +148,6 @@ pub fn duration(seconds: f64) -> String {
     }
 }
 
-/// A score of 0 to 1, in percent.
-pub fn score(score: f64) -> String {
-    format!("{:.0} %", score * 100.0)
-}
-
 /// The last part of a path.
 pub fn file_name(path: &Path) -> String {
     path.file_name()
@@ -161,12 +167,15 @@ mod tests {
         e.scenario = "T5 right".into();
         e.started_utc = "2031-05-17T09:30:00.125Z".into();
         e.seconds = Some(83.4);
-        e.score = Some(0.75);
+        e.score = Some(Mark {
+            text: "wrong by 34 mm".into(),
+            rank: -34.0,
+        });
         e.participant = Some("P07".into());
         e.tags = vec!["before".into()];
         assert_eq!(
             e.spoken(),
-            "T5 right, 2031-05-17 09:30, P07, 1:23 min, score 75 %, before"
+            "T5 right, 2031-05-17 09:30, P07, 1:23 min, wrong by 34 mm, before"
         );
         e.state = State::Sealed;
         assert!(!e.spoken().contains("T5"), "{}", e.spoken());

@@ -180,7 +180,10 @@ impl Sorting {
             By::Participant => some(a.participant.as_deref(), b.participant.as_deref()),
             By::Scenario => some(word(&a.scenario), word(&b.scenario)),
             By::Duration => numbers(a.seconds, b.seconds),
-            By::Score => numbers(a.score, b.score),
+            By::Score => {
+                let rank = |e: &Entry| e.score.as_ref().map(|s| s.rank);
+                numbers(rank(a), rank(b))
+            }
             By::File => turned(a.path.file_name().cmp(&b.path.file_name())),
         };
         let newest = b.started_utc.cmp(&a.started_utc);

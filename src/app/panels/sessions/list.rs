@@ -1,6 +1,6 @@
 //! The list: as many rows as are seen are drawn, however many there are.
 
-use super::entry::{Entry, State, duration, score};
+use super::entry::{Entry, State, duration};
 use super::filter::{By, Sorting};
 use crate::app::theme::Theme;
 use egui::{
@@ -327,7 +327,7 @@ fn thumb_ui(ui: &Ui, rect: Rect, theme: &Theme, entry: &Entry, texture: Option<T
         State::Sealed => (icon::ICON_LOCK, theme.weak_text),
         State::Unreadable(_) => (icon::ICON_BROKEN_IMAGE, theme.fault),
         State::Damaged(_) => (icon::ICON_WARNING, theme.warning),
-        State::Good => return,
+        State::Unread | State::Good => return,
     };
     let text = sign.rich_text().size(18.0).color(colour);
     let galley = egui::WidgetText::from(text).into_galley(
@@ -366,7 +366,7 @@ fn badge(entry: &Entry, theme: &Theme, is_open: bool) -> Option<(&'static str, C
         State::Sealed => Some(("Its trial was not answered", theme.weak_text)),
         State::Good if is_open => Some(("On show", theme.accent)),
         State::Good if entry.lost > 0 => Some(("Ticks lost", theme.warning)),
-        State::Good => None,
+        State::Unread | State::Good => None,
     }
 }
 
@@ -415,7 +415,11 @@ fn wide_words(ui: &Ui, rect: Rect, theme: &Theme, entry: &Entry, columns: &Colum
             By::Participant => entry.participant.clone().unwrap_or_default(),
             By::Date => entry.date(),
             By::Duration => entry.seconds.map(duration).unwrap_or_default(),
-            By::Score => entry.score.map(score).unwrap_or_default(),
+            By::Score => entry
+                .score
+                .as_ref()
+                .map(|s| s.text.clone())
+                .unwrap_or_default(),
             By::File => continue,
         };
         line(ui, at, width, &text, 12.5, theme.text);
@@ -457,7 +461,7 @@ fn narrow_words(ui: &Ui, rect: Rect, theme: &Theme, entry: &Entry, is_open: bool
     let facts: Vec<String> = [
         entry.participant.clone(),
         entry.seconds.map(duration),
-        entry.score.map(|s| format!("score {}", score(s))),
+        entry.score.as_ref().map(|s| s.text.clone()),
     ]
     .into_iter()
     .flatten()

@@ -7,13 +7,13 @@
 //! | [`filter`] | which are shown, and in which order |
 //! | `list` | how they are shown |
 //! | `detail` | what is told of the current one, and what can be done with it |
-//! | [`picture`] | its thumbnail |
+//! | `picture` | its thumbnail |
 
 mod detail;
 pub mod entry;
 pub mod filter;
 mod list;
-pub mod picture;
+mod picture;
 pub mod shelf;
 
 use super::library::picture::Silhouettes;
@@ -22,10 +22,11 @@ use super::{Panel, PanelContext};
 use crate::app::command::Command;
 use crate::app::dialogs;
 use crate::app::dock::Home;
-use crate::app::state::{BuildStatus, Compared, PartCost, View};
+use crate::app::state::{Compared, PartCost, View};
 use crate::app::theme::Theme;
 use crate::app::widgets::{empty_ui, grouped, icon_button, named};
 use crate::scenario::Item;
+use crate::study::index::Thumbnail;
 use egui::{RichText, TextureHandle, TextureOptions};
 use egui_material_icons::icons as icon;
 use entry::Entry;
@@ -75,7 +76,7 @@ struct Held {
 
 /// A thumbnail.
 struct Picture {
-    of: Arc<picture::Dwell>,
+    of: Arc<Thumbnail>,
     dark: bool,
     /// `None`: there is nothing to be seen.
     texture: Option<TextureHandle>,
@@ -169,35 +170,34 @@ impl Panel for SessionsPanel {
 }
 
 impl SessionsPanel {
-    /// Reads the folder when it is another one, or when a recording was finished since.
+    /// Reads the folder when it is another one, and looks again when a recording was finished since.
     fn follow(&mut self, ctx: &egui::Context, view: &View, folder: &Path) {
         let finished = view.recorder.finished;
-        let current = |held: &Held| held.shelf.folder() == folder && held.finished == finished;
-        if !self.held.as_deref().is_some_and(current) {
-            self.read(ctx, folder, finished);
+        let held = match self.held.take() {
+            Some(held) if held.shelf.folder() == folder => held,
+            before => {
+                let (pictures, silhouettes) = before
+                    .map(|held| (held.pictures, held.silhouettes))
+                    .unwrap_or_default();
+                Box::new(Held {
+                    shelf: Shelf::of(folder, wake(ctx)),
+                    finished,
+                    pictures,
+                    silhouettes,
+                    order: Vec::new(),
+                    made_of: None,
+                    offers: Offers::default(),
+                })
+            }
+        };
+        let held = self.held.insert(held);
+        // Asked while a reading is under way, it would not be heard.
+        if held.finished != finished && held.shelf.progress().is_none() {
+            held.finished = finished;
+            held.shelf.look_again();
         }
-        let Some(held) = &mut self.held else { return };
-        if let Some(rest) = held.shelf.poll() {
-            ctx.request_repaint_after(rest);
-        }
+        held.shelf.poll();
         held.follow(&self.filter, self.sorting);
-    }
-
-    fn read(&mut self, ctx: &egui::Context, folder: &Path, finished: u64) {
-        let shelf = Shelf::of(folder, wake(ctx));
-        let before = self.held.take();
-        let (pictures, silhouettes) = before
-            .map(|held| (held.pictures, held.silhouettes))
-            .unwrap_or_default();
-        self.held = Some(Box::new(Held {
-            shelf,
-            finished,
-            pictures,
-            silhouettes,
-            order: Vec::new(),
-            made_of: None,
-            offers: Offers::default(),
-        }));
     }
 
     fn head_ui(&mut self, ui: &mut egui::Ui, cx: &PanelContext<'_>, folder: &Path) {
@@ -237,7 +237,9 @@ impl SessionsPanel {
             }
             let why = "Look at the folder again";
             if icon_button(ui, icon::ICON_REFRESH, "Read folder again", why).clicked() {
-                self.read(ui.ctx(), folder, cx.view.recorder.finished);
+                if let Some(held) = &mut self.held {
+                    held.shelf.look_again();
+                }
             }
         });
     }
@@ -295,9 +297,7 @@ impl SessionsPanel {
             ui.colored_label(theme.warning, note);
         }
         let known = |p: &PathBuf| entries.iter().any(|e| e.path == *p && e.can_open());
-        if progress.is_none() {
-            self.list.ticked.retain(known);
-        }
+        self.list.ticked.retain(known);
         let current =
             (self.list.current.as_ref()).and_then(|path| entries.iter().find(|e| e.path == *path));
         egui::Panel::bottom("chosen")
@@ -307,13 +307,7 @@ impl SessionsPanel {
                 ..egui::Margin::ZERO
             }))
             .show(ui, |ui| {
-                status_ui(
-                    ui,
-                    &mut held.shelf,
-                    progress.as_ref(),
-                    held.order.len(),
-                    entries.len(),
-                );
+                status_ui(ui, &held.shelf, progress, held.order.len(), entries.len());
                 ticked_ui(ui, cx, &entries, &mut self.list.ticked);
                 let Some(entry) = current else {
                     if !entries.is_empty() {
@@ -416,13 +410,7 @@ fn picture_of(
 }
 
 /// How many there are, or how far their reading is.
-fn status_ui(
-    ui: &mut egui::Ui,
-    shelf: &mut Shelf,
-    progress: Option<&BuildStatus>,
-    shown: usize,
-    all: usize,
-) {
+fn status_ui(ui: &mut egui::Ui, shelf: &Shelf, progress: Option<f64>, shown: usize, all: usize) {
     ui.horizontal(|ui| {
         let count = if shown == all {
             format!("{} recordings", grouped(all))
@@ -430,11 +418,12 @@ fn status_ui(
             format!("{} of {} recordings", grouped(shown), grouped(all))
         };
         ui.label(RichText::new(count).size(12.0).weak());
-        if let Some(status) = progress {
-            let bar = egui::ProgressBar::new(status.fraction as f32)
+        if let Some(share) = progress {
+            let bar = egui::ProgressBar::new(share as f32)
                 .desired_width((ui.available_width() - 70.0).clamp(40.0, 160.0))
                 .desired_height(8.0);
-            ui.add(bar).on_hover_text(&status.part);
+            ui.add(bar)
+                .on_hover_text("Recordings that are new or changed are looked into once");
             let stop = ui
                 .small_button("Stop")
                 .on_hover_text("Stop looking into the recordings; what is known stays");

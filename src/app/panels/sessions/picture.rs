@@ -6,30 +6,15 @@ use crate::app::editor::plane::Area;
 use crate::app::panels::library::picture::Silhouettes;
 use crate::app::theme::Theme;
 use crate::geom::Vec2;
+use crate::study::index::Thumbnail;
 use egui::ColorImage;
-
-/// Time on the skin over the map plane.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Dwell {
-    /// Lower left corner of the first cell, mm.
-    pub origin_mm: [f64; 2],
-    /// Edge of a cell, mm.
-    pub cell_mm: f64,
-    /// Cells along x.
-    pub columns: usize,
-    /// Cells along y.
-    pub rows: usize,
-    /// Time in each cell, s; row by row from the lower left.
-    pub seconds: Vec<f32>,
-}
 
 /// Pixels: two for each point.
 const SIZE: [usize; 2] = [THUMB.x as usize * 2, THUMB.y as usize * 2];
 
 /// The picture of `dwell`; nothing where nothing dwelt.
-pub fn paint(dwell: &Dwell, silhouettes: &Silhouettes, theme: &Theme) -> Option<ColorImage> {
-    let most = dwell.seconds.iter().copied().fold(0.0, f32::max);
-    if most <= 0.0 || !dwell.cell_mm.is_finite() || dwell.cell_mm <= 0.0 {
+pub fn paint(dwell: &Thumbnail, silhouettes: &Silhouettes, theme: &Theme) -> Option<ColorImage> {
+    if dwell.most_s <= 0.0 || !dwell.cell_mm.is_finite() || dwell.cell_mm <= 0.0 {
         return None;
     }
     let silhouette = silhouettes.back();
@@ -51,7 +36,7 @@ pub fn paint(dwell: &Dwell, silhouettes: &Silhouettes, theme: &Theme) -> Option<
         for column in 0..columns {
             let p = Vec2::new(column as f64 + 0.5, row as f64 + 0.5) - size * 0.5;
             let p = area.centre() + Vec2::new(p.x, -p.y) * mm;
-            let seconds = share(dwell, p, most, mm);
+            let seconds = share(dwell, p, mm);
             let covered = silhouette
                 .as_ref()
                 .and_then(|s| s.cover.between(p))
@@ -66,21 +51,21 @@ pub fn paint(dwell: &Dwell, silhouettes: &Silhouettes, theme: &Theme) -> Option<
     Some(ColorImage::new(SIZE, pixels))
 }
 
-/// The longest time in the cells that a pixel of `pixel_mm` about `p` covers, as a share of `most`, so that no short visit
-/// falls between pixels. Square root: a short visit is to be seen beside a long one.
-fn share(dwell: &Dwell, p: Vec2, most: f32, pixel_mm: f64) -> f64 {
+/// The largest shade of the cells that a pixel of `pixel_mm` about `p` covers, 0 to 1, so that no short visit falls between
+/// pixels.
+fn share(dwell: &Thumbnail, p: Vec2, pixel_mm: f64) -> f64 {
     let half = Vec2::splat(pixel_mm * 0.5);
     let cell = |p: Vec2| (p - Vec2::from_array(dwell.origin_mm)) / dwell.cell_mm;
     let (lo, hi) = (cell(p - half).floor(), cell(p + half).ceil());
     let end = |x: f64, n: usize| x.clamp(0.0, n as f64) as usize;
-    let mut longest: f32 = 0.0;
+    let mut largest = 0;
     for row in end(lo.y, dwell.rows)..end(hi.y, dwell.rows) {
         for column in end(lo.x, dwell.columns)..end(hi.x, dwell.columns) {
-            let seconds = dwell.seconds.get(row * dwell.columns + column);
-            longest = longest.max(seconds.copied().unwrap_or(0.0));
+            let shade = dwell.shade.get(row * dwell.columns + column);
+            largest = largest.max(shade.copied().unwrap_or(0));
         }
     }
-    f64::from(longest / most).sqrt()
+    f64::from(largest) / 255.0
 }
 
 #[cfg(test)]
@@ -89,19 +74,21 @@ mod tests {
 
     #[test]
     fn a_short_visit_is_seen_and_nothing_gives_no_picture() {
-        let mut dwell = Dwell {
+        let mut dwell = Thumbnail {
             origin_mm: [-200.0, -250.0],
-            cell_mm: 5.0,
-            columns: 80,
-            rows: 100,
-            seconds: vec![0.0; 8000],
+            cell_mm: 10.0,
+            columns: 40,
+            rows: 50,
+            most_s: 0.0,
+            shade: vec![0; 2000],
         };
         let theme = crate::app::theme::DARK;
         let silhouettes = Silhouettes::default();
         assert!(paint(&dwell, &silhouettes, &theme).is_none());
         // The upper left of the map is that of the picture.
-        dwell.seconds[75 * 80 + 20] = 0.01;
-        dwell.seconds[20 * 80 + 60] = 9.0;
+        dwell.most_s = 9.0;
+        dwell.shade[37 * 40 + 10] = 1;
+        dwell.shade[10 * 40 + 30] = 255;
         let image = paint(&dwell, &silhouettes, &theme).expect("a picture");
         let bright: Vec<usize> = (0..image.pixels.len())
             .filter(|&i| image.pixels[i].a() == 255)

@@ -1,66 +1,44 @@
-//! The recordings of a folder, read on a thread of their own: first that they are there, then what they say of themselves.
+//! The recordings of a folder, as its index knows them. Opening the index, reading what it does not know yet and writing tags
+//! are done on threads of their own.
 
-use super::entry::{Entry, State};
+use super::entry::{Entry, Mark, State};
 use crate::app::bench::Wake;
 use crate::app::bench::job::Job;
 use crate::app::state::BuildStatus;
-use crate::session::Session;
+use crate::study::index::{Index, IndexThread, Known, Label, Recorded, Score};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
-
-/// Most recordings listed.
-const MOST: usize = 20_000;
-/// Folders below the chosen one that are looked into: exercises keep a folder each.
-const DEPTH: usize = 3;
-/// The list on show is renewed no oftener.
-const RENEWED: Duration = Duration::from_millis(200);
-
-/// What the reading thread has found so far.
-#[derive(Default)]
-struct Found {
-    entries: Vec<Entry>,
-    /// Counts changes.
-    version: u64,
-    /// What is to be said of the folder as a whole.
-    note: Option<String>,
-}
+use std::sync::Arc;
+use std::time::{Duration, UNIX_EPOCH};
 
 /// The recordings of one folder.
 pub struct Shelf {
     folder: PathBuf,
-    found: Arc<Mutex<Found>>,
-    reading: Option<Job<()>>,
+    wake: Wake,
+    opening: Option<Job<Option<IndexThread>>>,
+    index: Option<IndexThread>,
     entries: Arc<Vec<Entry>>,
-    note: Option<String>,
+    /// Of the index that the entries are of.
     version: u64,
-    renewed: Option<Instant>,
+    note: Option<String>,
 }
 
 impl Shelf {
     /// Starts reading `folder`.
     pub fn of(folder: &Path, wake: Wake) -> Self {
-        let found = Arc::new(Mutex::new(Found::default()));
-        let status = BuildStatus {
-            scenario: "recordings".into(),
-            part: "listing".into(),
-            fraction: 0.0,
-        };
-        let (shared, place) = (found.clone(), folder.to_owned());
-        let reading = Job::start("session browser", status, wake, move |progress| {
-            read(&place, &shared, progress);
-        });
+        let place = folder.to_owned();
+        let work = move |_: crate::app::bench::job::Progress<'_>| Some(IndexThread::open(&place));
+        let opening = Job::start("index", BuildStatus::default(), wake.clone(), work);
         let mut shelf = Self {
             folder: folder.to_owned(),
-            found,
-            reading: None,
+            wake,
+            opening: None,
+            index: None,
             entries: Arc::default(),
-            note: None,
             version: 0,
-            renewed: None,
+            note: None,
         };
-        match reading {
-            Ok(job) => shelf.reading = Some(job),
+        match opening {
+            Ok(job) => shelf.opening = Some(job),
             Err(e) => shelf.note = Some(format!("the folder cannot be read: {e}")),
         }
         shelf
@@ -81,15 +59,18 @@ impl Shelf {
         self.note.as_deref()
     }
 
-    /// How far the reading is; `None` when it is done.
-    pub fn progress(&self) -> Option<BuildStatus> {
-        self.reading.as_ref().map(Job::status)
+    /// Share of the recordings that is read, 0 to 1; `None` when that is done.
+    pub fn progress(&self) -> Option<f64> {
+        match &self.index {
+            Some(index) => index.state().progress,
+            None => self.opening.as_ref().map(|_| 0.0),
+        }
     }
 
     /// Ends the reading; what is known stays.
-    pub fn cancel(&mut self) {
-        if let Some(job) = &self.reading {
-            job.cancel();
+    pub fn cancel(&self) {
+        if let Some(index) = &self.index {
+            index.cancel();
         }
     }
 
@@ -98,109 +79,92 @@ impl Shelf {
         self.entries.capacity() * size_of::<Entry>()
     }
 
-    /// Writes tags on a recording.
-    pub fn tag(&mut self, path: &Path, tags: Vec<String>) {
-        let mut found = lock(&self.found);
-        if let Some(entry) = found.entries.iter_mut().find(|e| e.path == path) {
-            entry.tags = tags;
-            found.version += 1;
-        }
-        self.entries = Arc::new(found.entries.clone());
-        self.version = found.version;
-    }
-
-    /// Takes over what is new; answers after how long to ask again.
-    pub fn poll(&mut self) -> Option<Duration> {
-        let done = self.reading.as_ref()?.poll(|| ()).is_some();
-        let since = self.renewed.map_or(RENEWED, |at| at.elapsed());
-        if !done && since < RENEWED {
-            return Some(RENEWED - since);
-        }
-        if done {
-            self.reading = None;
-        }
-        let found = lock(&self.found);
-        if found.version != self.version {
-            self.version = found.version;
-            self.entries = Arc::new(found.entries.clone());
-            self.note.clone_from(&found.note);
-            self.renewed = Some(Instant::now());
-        }
-        None
-    }
-}
-
-fn lock(found: &Mutex<Found>) -> MutexGuard<'_, Found> {
-    found.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn read(folder: &Path, found: &Mutex<Found>, progress: &mut dyn FnMut(&str, f64) -> bool) {
-    let mut files = Vec::new();
-    let fault = files_in(folder, DEPTH, &mut files).err();
-    let n = files.len();
-    let say = |change: &mut dyn FnMut(&mut Found)| {
-        let mut found = lock(found);
-        change(&mut found);
-        found.version += 1;
-    };
-    say(&mut |found| {
-        found.entries = (files.iter())
-            .map(|(path, bytes)| Entry::unread(path.clone(), *bytes))
-            .collect();
-        found.note = match &fault {
-            // A folder that is not there yet is an empty one.
-            Some(e) if e.kind() != std::io::ErrorKind::NotFound => {
-                Some(format!("{}: cannot be read: {e}", folder.display()))
+    /// Looks at the folder again: what is new or changed is read.
+    pub fn look_again(&mut self) {
+        if let Some(index) = &mut self.index {
+            let wake = self.wake.clone();
+            if let Err(e) = index.refresh(move || wake()) {
+                self.note = Some(format!("the folder cannot be read: {e}"));
             }
-            _ if n >= MOST => Some(format!("Only the first {MOST} recordings are listed")),
-            _ => None,
+        }
+    }
+
+    /// Writes tags on a recording; what was remarked on it stays.
+    pub fn tag(&mut self, path: &Path, tags: Vec<String>) {
+        let Some(index) = &self.index else { return };
+        let known = index.state().index;
+        let Some(recorded) = known.recorded().find(|r| known.path(&r.name) == path) else {
+            return;
         };
-    });
-    for (i, (path, bytes)) in files.into_iter().enumerate() {
-        let entry = entry_of(path, bytes);
-        say(&mut |found| found.entries[i].clone_from(&entry));
-        if !progress("reading", (i + 1) as f64 / n as f64) {
+        let note = recorded.label.note.clone();
+        if let Err(e) = index.set_label(&recorded.name, Label { tags, note }) {
+            self.note = Some(format!("the tags are not kept: {e}"));
+        }
+    }
+
+    /// Takes over what is new.
+    pub fn poll(&mut self) {
+        let opened = self.opening.as_ref().and_then(|job| job.poll(|| None));
+        if let Some(index) = opened {
+            self.opening = None;
+            self.index = index;
+            self.look_again();
+        }
+        let Some(index) = &self.index else { return };
+        let state = index.state();
+        if state.version == self.version {
             return;
         }
+        self.version = state.version;
+        self.note.clone_from(&state.index.fault);
+        let entries = state.index.recorded().map(|r| entry_of(&state.index, r));
+        self.entries = Arc::new(entries.collect());
     }
 }
 
-fn entry_of(path: PathBuf, bytes: u64) -> Entry {
-    let mut entry = Entry::unread(path, bytes);
-    match Session::open(&entry.path) {
-        Ok(session) => {
-            let header = session.header();
-            entry.started_utc.clone_from(&header.started_utc);
-            entry.participant.clone_from(&header.participant);
-            if header.sealed {
-                entry.state = State::Sealed;
-            } else {
-                entry.scenario.clone_from(&header.scenario_name);
-            }
+fn entry_of(index: &Index, recorded: &Recorded) -> Entry {
+    let mut entry = Entry::unread(index.path(&recorded.name), recorded.stamp.bytes);
+    entry.tags.clone_from(&recorded.label.tags);
+    let changed = UNIX_EPOCH.checked_add(Duration::from_nanos(recorded.stamp.changed_ns));
+    let changed = changed.map(|at| humantime::format_rfc3339_seconds(at).to_string());
+    entry.started_utc = changed.unwrap_or_default();
+    match &recorded.known {
+        Known::Waiting => entry.state = State::Unread,
+        Known::Sealed => {
+            entry.state = State::Sealed;
+            return entry;
         }
-        Err(e) => entry.state = State::Unreadable(e.to_string()),
+        Known::Unreadable(why) => entry.state = State::Unreadable(why.clone()),
+        Known::Read(told) => {
+            if !told.damage.is_none() {
+                entry.state = State::Damaged(told.damage.first.clone());
+            } else {
+                entry.state = State::Good;
+            }
+            entry.participant.clone_from(&told.about.participant);
+            entry.scenario.clone_from(&told.about.scenario);
+            entry.started_utc.clone_from(&told.about.started_utc);
+            entry.seconds = Some(told.about.seconds);
+            entry.lost = told.about.lost;
+            entry.dwell = Some(Arc::new(told.dwell.clone()));
+        }
     }
+    entry.score = recorded.score.as_ref().map(mark_of);
     entry
 }
 
-/// Adds the recordings in `folder` and up to `depth` folders below it, with their sizes, in the order of their paths.
-fn files_in(folder: &Path, depth: usize, files: &mut Vec<(PathBuf, u64)>) -> std::io::Result<()> {
-    let mut entries: Vec<_> = std::fs::read_dir(folder)?.flatten().collect();
-    entries.sort_by_key(std::fs::DirEntry::path);
-    for entry in entries {
-        let Ok(meta) = entry.metadata() else { continue };
-        let path = entry.path();
-        if files.len() >= MOST {
-            return Ok(());
-        }
-        if meta.is_dir() {
-            if depth > 0 {
-                // One that may not be looked into has nothing to show.
-                let _ = files_in(&path, depth - 1, files);
-            }
-        } else if path.extension().is_some_and(|e| e == "mcap") {
-            files.push((path, meta.len()));
-        }
+fn mark_of(score: &Score) -> Mark {
+    let text = if score.practice {
+        format!("{}, practice", score.text())
+    } else {
+        score.text()
+    };
+    Mark {
+        text,
+        rank: match (score.right, score.error_mm) {
+            (true, _) => 0.0,
+            (false, Some(mm)) => -mm,
+            (false, None) => f64::MIN,
+        },
     }
-    Ok(())
 }
