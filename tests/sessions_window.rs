@@ -331,7 +331,7 @@ fn two_recordings_are_compared_with_the_right_numbers() {
     until_said(&mut harness, "B P02");
     until_said(&mut harness, "Peak force");
     // 0.5 N/mm: 3 mm deep the one, 6 mm the other, for 1.5 s and 3 s.
-    for value in ["1.5", "3"] {
+    for value in ["1.500", "3.000"] {
         assert!(harness.query_all_by_label(value).count() >= 2, "{value}");
     }
     click(&mut harness, "Page Difference");

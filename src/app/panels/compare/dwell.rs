@@ -176,7 +176,7 @@ impl Pictures {
 }
 
 fn seconds_at(dwell: &Dwell, p: Vec2) -> f64 {
-    if !(dwell.cell_mm > 0.0) {
+    if dwell.cell_mm.is_nan() || dwell.cell_mm <= 0.0 {
         return 0.0;
     }
     let cell = ((p - Vec2::from_array(dwell.origin_mm)) / dwell.cell_mm).floor();

@@ -363,7 +363,7 @@ fn told_of(wanted: &[Compared], work: &Work) -> Vec<(Compared, Named)> {
 /// Letter of a recording, and whose it is.
 fn called(i: usize, told: &Told) -> String {
     let about = &told.analysis.about;
-    let who = about.participant.clone().unwrap_or_else(|| about.name());
+    let who = about.participant.as_deref().unwrap_or(&about.scenario);
     format!("{} {who}", choices::letter(i))
 }
 

@@ -236,10 +236,10 @@ impl SessionsPanel {
                 });
             }
             let why = "Look at the folder again";
-            if icon_button(ui, icon::ICON_REFRESH, "Read folder again", why).clicked() {
-                if let Some(held) = &mut self.held {
-                    held.shelf.look_again();
-                }
+            if icon_button(ui, icon::ICON_REFRESH, "Read folder again", why).clicked()
+                && let Some(held) = &mut self.held
+            {
+                held.shelf.look_again();
             }
         });
     }
