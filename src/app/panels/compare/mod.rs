@@ -169,7 +169,14 @@ impl ComparePanel {
         egui::ScrollArea::vertical()
             .id_salt(self.page.words())
             .auto_shrink(false)
-            .show(ui, |ui| self.page_ui(ui, cx, &mut held, &told, &options));
+            .show(ui, |ui| {
+                // A plot keeps its bounds as long as its id: other curves are framed anew.
+                let shown = (self.page.words(), self.part.words(), self.metric);
+                let of = (shown, format!("{options:?}"), held.work.number());
+                ui.push_id(of, |ui| {
+                    self.page_ui(ui, cx, &mut held, &told, &options);
+                });
+            });
         let cost = PartCost {
             bytes: held.work.bytes(),
             cost_us: None,
