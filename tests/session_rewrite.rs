@@ -196,8 +196,10 @@ fn mesh_and_calibration_travel_along_and_are_stepped_over() {
         calibrations: vec![String::new(), "zero at 12 mm".into()],
         ..Extras::of_this_machine()
     };
+    let mut scanned = header(2);
+    scanned.mesh.origin = "scans/back.ply".into();
     let mut writer =
-        SessionWriter::create_with(&path, &header(2), &extras, IfExists::Refuse).unwrap();
+        SessionWriter::create_with(&path, &scanned, &extras, IfExists::Refuse).unwrap();
     for r in run(500, 2) {
         writer.write(&r).unwrap();
     }
@@ -212,6 +214,19 @@ fn mesh_and_calibration_travel_along_and_are_stepped_over() {
     let out = folder.path().join("out.mcap");
     saved(&path, &out, true).unwrap();
     assert_eq!(Session::open(&out).unwrap().extras().unwrap(), extras);
+    // The scenario finds it where it was, or unpacked where it is gone or another one.
+    let beside = folder.path().join("scans/back.ply");
+    let unpacked = session.folder().unwrap();
+    assert_ne!(unpacked.path(), folder.path());
+    let file = unpacked.path().join("scans/back.ply");
+    assert_eq!(std::fs::read(&file).unwrap(), &*mesh);
+    drop(unpacked);
+    assert!(!file.exists());
+    std::fs::create_dir(folder.path().join("scans")).unwrap();
+    std::fs::write(&beside, "another").unwrap();
+    assert_ne!(session.folder().unwrap().path(), folder.path());
+    std::fs::write(&beside, &*mesh).unwrap();
+    assert_eq!(session.folder().unwrap().path(), folder.path());
     // A length that would hide the ticks is found out.
     let bytes = std::fs::read(&path).unwrap();
     let at = bytes

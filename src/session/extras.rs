@@ -67,6 +67,7 @@ impl Extras {
     pub(super) fn write<W: Write + Seek>(
         &self,
         mcap: &mut Writer<W>,
+        header: &Header,
         started_ns: u64,
     ) -> McapResult<()> {
         if !self.host.is_empty() {
@@ -86,7 +87,12 @@ impl Extras {
                 metadata: said,
             })?;
         }
-        if let Some(mesh) = &self.mesh {
+        // A built-in surface needs none; one that is carried is that of another scene.
+        if let Some(mesh) = self
+            .mesh
+            .as_ref()
+            .filter(|_| !is_builtin(&header.mesh.origin))
+        {
             mcap.attach(&Attachment {
                 log_time: started_ns,
                 create_time: started_ns,

@@ -546,7 +546,7 @@ fn begun<W: Write + Seek>(
         // A chunk is built in memory and appended whole: the file never holds one with a blank header.
         .disable_seeking(true);
     let mut mcap = options.create(sink)?;
-    extras.write(&mut mcap, started_ns)?;
+    extras.write(&mut mcap, header, started_ns)?;
     about(&mut mcap, header, metadata.clone(), started_ns)?;
     let schemas = format::file_descriptor_set();
     let tick = mcap.add_schema(format::TICK_SCHEMA, "protobuf", &schemas)?;
