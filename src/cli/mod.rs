@@ -4,6 +4,7 @@
 //! names the cause and the remedy. With `--json` one JSON document stands on stdout and nothing else.
 
 mod common;
+mod compare;
 mod count;
 mod deform;
 mod devices;
@@ -84,6 +85,8 @@ enum Command {
     Recover(recover::RecoverArgs),
     /// Hand sessions on as Parquet, CSV or BIDS-Motion; many at once.
     Export(export::ExportArgs),
+    /// Compare recordings: measures, differences over time, agreement, groups, one report.
+    Compare(compare::CompareArgs),
     /// Tell what a scenario needs and what is left out, with bytes and µs.
     Scene(scene::SceneArgs),
     /// Check scenarios, list dysfunctions and places, hide dysfunctions at random.
@@ -150,6 +153,7 @@ pub fn main() -> u8 {
         Some(Command::Replay(args)) => replay::run(args, json),
         Some(Command::Recover(args)) => recover::run(args, json),
         Some(Command::Export(args)) => export::run(args, json),
+        Some(Command::Compare(args)) => compare::run(args, json),
         Some(Command::Scene(args)) => scene::run(args, json),
         Some(Command::Scenario(command)) => scenario::run(command, json),
         Some(Command::Mesh(command)) => mesh::run(command, json),

@@ -11,6 +11,8 @@
 //! | [`cohort`] | many files at once, in memory that does not grow with their number |
 //! | [`export`] | sessions handed on: Parquet, CSV, BIDS-Motion |
 //! | [`index`] | what a folder of recordings holds, kept in a cache, with the user's tags |
+//! | [`groups`] | many sessions: before and after, novices and experts, learning curves |
+//! | [`report`], [`tables`] | what was found as a page, and as tables for files |
 
 mod analyse;
 pub mod cohort;
@@ -18,14 +20,17 @@ pub mod compare;
 pub mod export;
 pub mod felt;
 mod frame;
+pub mod groups;
 pub mod index;
 pub mod metrics;
 mod options;
 pub mod phases;
 pub mod presses;
+pub mod report;
 pub mod smooth;
 pub mod stats;
 mod sum;
+pub mod tables;
 #[cfg(test)]
 pub(crate) mod tests;
 pub mod told;

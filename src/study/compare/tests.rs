@@ -7,16 +7,16 @@ use crate::study::tests::{header, pressed, told, written};
 use crate::study::{Options, StudyError};
 use std::path::Path;
 
-/// Presses of 2 s at rising places, from `start` on; before it and between them off the skin.
+/// Three presses of 2 s at rising places, from `start` on; before, between and after them off the skin.
 fn motion(t: f64, start: f64, deeper: f64) -> Vec3 {
     let x = t - start;
     let wave = libm::sin(std::f64::consts::PI * x / 2.0);
-    let z = if x > 0.0 && wave > 0.0 {
+    let z = if x > 0.0 && x < 10.5 && wave > 0.0 {
         -(4.0 + deeper) * wave
     } else {
         3.0
     };
-    Vec3::new(10.0 * libm::floor((x / 4.0).max(0.0)), 50.0, z)
+    Vec3::new(10.0 * libm::floor((x / 4.0).clamp(0.0, 2.0)), 50.0, z)
 }
 
 fn recorded(name: &str, start: f64, deeper: f64) -> (tempfile::TempDir, std::path::PathBuf) {
