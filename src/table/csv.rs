@@ -5,8 +5,8 @@ use std::io::Write;
 
 /// Writes a table as CSV (RFC 4180, line feeds): a line of names, then the rows; nothing stands for what is absent.
 ///
-/// Numbers have as many digits as bring them back bit for bit. Readers that cut digits must be told: pandas by
-/// `float_precision="round_trip"`.
+/// Numbers have as many digits as bring them back bit for bit. Readers that cut digits must be told: older versions of pandas
+/// by `float_precision="round_trip"`.
 pub struct CsvRows<W: Write> {
     writer: csv::Writer<W>,
     heads: Vec<Head>,

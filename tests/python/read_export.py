@@ -100,7 +100,6 @@ def main(parquet, csv, paths):
         same_columns("PyArrow", pyarrow.parquet.ParquetFile(part).read().to_pydict(), ticks)
         frame = pandas.read_csv(
             part.replace(parquet, csv).replace(".parquet", ".csv"),
-            float_precision="round_trip",
             dtype={"duration_us": numpy.float32},
         )
         same_columns("pandas, CSV", {c: frame[c].tolist() for c in frame}, ticks)
