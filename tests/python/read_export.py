@@ -10,6 +10,7 @@ import json
 import os
 import struct
 import sys
+from urllib.parse import quote
 
 import duckdb
 import numpy
@@ -96,7 +97,8 @@ def main(parquet, csv, paths):
         of_session = dataset[(dataset.participant == participant) & (dataset.session == session)]
         of_session = of_session.sort_values(["tick", "finger"]).drop(columns=["participant", "session"])
         same_columns("pandas", {c: of_session[c].tolist() for c in of_session}, ticks)
-        part = next(p for p in parts if f"session={session}/" in p and f"participant={participant}/" in p)
+        place = f"/participant={quote(participant)}/session={quote(session)}/"
+        part = next(p for p in parts if place in p)
         same_columns("PyArrow", pyarrow.parquet.ParquetFile(part).read().to_pydict(), ticks)
         frame = pandas.read_csv(
             part.replace(parquet, csv).replace(".parquet", ".csv"),
