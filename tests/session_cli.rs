@@ -305,3 +305,85 @@ fn a_run_over_dysfunctions_with_an_edit_of_them_is_bit_exact() {
     let (before, after) = (drag(&plain), drag(&changed));
     assert!(before > 0.5 && after < 0.4, "{before} {after}");
 }
+
+#[test]
+fn what_a_cut_file_holds_is_saved_counted_and_still_bit_exact() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = recorded(folder.path());
+    let bytes = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &bytes[..bytes.len() * 3 / 4]).unwrap();
+    let out = folder.path().join("saved.mcap");
+    let [broken, saved] = [&path, &out].map(|p| p.to_str().unwrap());
+    let output = dorsum(&["recover", broken, saved, "--json"]);
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["whole"], false);
+    assert_eq!(report["damage"]["unfinished"], true);
+    let session = Session::open(&out).unwrap();
+    let ticks = session.ticks(Strictness::Strict).unwrap();
+    let ticks = ticks.map(|t| t.unwrap().fingers[0].tick);
+    let ticks: Vec<u64> = ticks.collect();
+    assert_eq!(report["ticks"], ticks.len());
+    // From the start on, none left out in between.
+    assert_eq!(
+        ticks,
+        (ticks[0]..=*ticks.last().unwrap()).collect::<Vec<_>>()
+    );
+    // Three quarters of 2001, less what stood in the chunk that was cut.
+    assert!(ticks.len() > 500, "{}", ticks.len());
+    let output = dorsum(&["replay", saved, "--check"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stdout(&output));
+    // Nothing is replaced unasked.
+    let before = std::fs::read(&out).unwrap();
+    assert_eq!(dorsum(&["recover", broken, saved]).status.code(), Some(2));
+    assert_eq!(std::fs::read(&out).unwrap(), before);
+}
+
+#[test]
+fn on_a_skin_twice_as_stiff_a_frictionless_press_is_twice_as_strong() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = |stiffness_n_per_mm: f64| {
+        let path = folder.path().join(format!("{stiffness_n_per_mm}.toml"));
+        let text = format!(
+            "format = 1\nname = \"Test\"\n[surface]\nbuiltin = \"back\"\ntriangles = 2962\n\
+             [stiffness]\nconstant_n_per_mm = {stiffness_n_per_mm}\n"
+        );
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    let [soft, stiffer] = [scene(0.3), scene(0.6)];
+    let path = folder.path().join("a.mcap");
+    let [soft, to] = [&soft, &path].map(|p| p.to_str().unwrap());
+    let run = dorsum(&["run", soft, "--script", "press", "--fast", "--record", to]);
+    assert!(run.status.success(), "{run:?}");
+    let table = folder.path().join("off.csv");
+    let [path, stiffer, table] = [&path, &stiffer, &table].map(|p| p.to_str().unwrap());
+    let arguments = ["replay", path, "--scenario", stiffer, "--difference", table];
+    let output = dorsum(&arguments);
+    assert!(output.status.success(), "{output:?}");
+    let mut rows = csv::Reader::from_path(table).unwrap();
+    let head = rows.headers().unwrap().clone();
+    let column = |name: &str| head.iter().position(|h| h == name).unwrap();
+    let (depth, axes) = (
+        column("depth_mm"),
+        ["force_x_n", "force_y_n", "force_z_n"].map(column),
+    );
+    let session = Session::open(Path::new(path)).unwrap();
+    let ticks = session.ticks(Strictness::Strict).unwrap();
+    let mut pressed = 0;
+    // The first tick is what the repetition starts from.
+    for (row, tick) in rows.records().map(Result::unwrap).zip(ticks.skip(1)) {
+        let recorded = tick.unwrap().fingers[0];
+        assert_eq!(row[column("tick")], recorded.tick.to_string());
+        let value = |i: usize| row[i].parse::<f64>().unwrap();
+        // The proxy does not know how stiff the skin is: same depth, and a difference as large as the force itself.
+        assert!(value(depth).abs() < 1e-9, "tick {}", recorded.tick);
+        for (axis, force_n) in axes.into_iter().zip(recorded.contact.force_n.to_array()) {
+            let off = value(axis) - force_n;
+            assert!(off.abs() < 1e-9, "tick {}: {off} N", recorded.tick);
+        }
+        pressed += usize::from(recorded.contact.force_n.length() > 0.5);
+    }
+    assert!(pressed > 100, "{pressed}");
+    // A table that is there is not replaced unasked.
+    assert_eq!(dorsum(&arguments).status.code(), Some(2));
+}

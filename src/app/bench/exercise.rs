@@ -283,8 +283,9 @@ impl Exercising {
                     held,
                 });
                 let seen = Box::new(seen);
+                let beside = self.blind.scenario.folder.clone();
                 recordings
-                    .wind(recorder, Tape::Begin(path, seen))
+                    .wind(recorder, Tape::Begin(path, seen, beside))
                     .map_err(told)
             }
             _ => Ok(()),

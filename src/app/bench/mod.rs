@@ -516,7 +516,7 @@ impl Bench {
         } else {
             let header = recording::header(scene, live, self.edits.settled());
             self.recordings
-                .start(recorder, header)
+                .start(recorder, header, scene.scenario.folder.clone())
                 .map_err(|e| e.to_string())
         };
         if let Err(e) = started {

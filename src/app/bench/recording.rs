@@ -5,7 +5,9 @@ use super::live::Live;
 use crate::app::state::{RecentFile, RecorderStatus};
 use crate::scenario::Scene;
 use crate::session::recorder::{RecorderHandle, RecorderState};
-use crate::session::{self, DeviceInfo, Header, MeshSource, RecordingSummary, SessionError};
+use crate::session::{
+    self, DeviceInfo, Extras, Header, MeshSource, RecordingSummary, SessionError,
+};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, mpsc};
 use std::time::Duration;
@@ -18,8 +20,8 @@ const PATIENCE: Duration = Duration::from_secs(10);
 
 /// What the file of a trial goes through.
 pub enum Tape {
-    /// Is begun, with what it says of itself until its trial is answered.
-    Begin(PathBuf, Box<Header>),
+    /// Is begun, with what it says of itself until its trial is answered, and the folder of its scenario.
+    Begin(PathBuf, Box<Header>, Option<PathBuf>),
     /// Is held, or goes on.
     Hold(bool),
     /// Is finished, with what was felt in truth where that may be said.
@@ -103,7 +105,7 @@ impl Recordings {
         self.recent = files.into_iter().map(|(_, file)| file).collect();
     }
 
-    /// Begins a new file.
+    /// Begins a new file; `beside` is the folder of the scenario, where its mesh lies.
     ///
     /// # Errors
     /// The folder cannot be made, or the system refuses another thread.
@@ -111,6 +113,7 @@ impl Recordings {
         &mut self,
         recorder: Arc<RecorderHandle>,
         mut header: Header,
+        beside: Option<PathBuf>,
     ) -> Result<(), SessionError> {
         let participant = self.participant.trim();
         if !participant.is_empty() {
@@ -123,10 +126,12 @@ impl Recordings {
         };
         std::fs::create_dir_all(&self.folder).map_err(io)?;
         let path = self.folder.join(recording_name(&header));
-        self.run(move || match recorder.start(&path, header) {
-            Ok(()) => Done::Started(path),
-            Err(e) => Done::Failed(format!("cannot record: {e}")),
-        })
+        self.run(
+            move || match begin(&recorder, &path, header, beside.as_deref()) {
+                Ok(()) => Done::Started(path),
+                Err(e) => Done::Failed(format!("cannot record: {e}")),
+            },
+        )
         .map_err(io)
     }
 
@@ -148,7 +153,9 @@ impl Recordings {
     pub fn wind(&mut self, recorder: Arc<RecorderHandle>, tape: Tape) -> std::io::Result<()> {
         self.run(move || {
             let wound = match tape {
-                Tape::Begin(path, header) => recorder.start(&path, *header),
+                Tape::Begin(path, header, beside) => {
+                    begin(&recorder, &path, *header, beside.as_deref())
+                }
                 Tape::Hold(hold) => recorder.hold(hold),
                 Tape::Finish(truth) => {
                     let revealed = truth.map_or(Ok(()), |truth| recorder.reveal(*truth));
@@ -269,6 +276,23 @@ fn recording_name(header: &Header) -> String {
     } else {
         format!("{time}_{name}.mcap")
     }
+}
+
+/// Begins a file that carries the mesh it is felt on, where that is not built in.
+fn begin(
+    recorder: &RecorderHandle,
+    path: &Path,
+    header: Header,
+    beside: Option<&Path>,
+) -> Result<(), SessionError> {
+    let machine = Extras::of_this_machine();
+    let with_mesh = machine.clone().with_mesh_of(&header.mesh.origin, beside);
+    recorder.carry(with_mesh.unwrap_or_else(|e| {
+        // What is felt is recorded even so; its hash names the mesh that a replay needs.
+        log::warn!("the recording goes without its mesh: {e}");
+        machine
+    }));
+    recorder.start(path, header)
 }
 
 /// What a recording of `scene` on `live` says about itself; `felt` is the newest edit that is wholly felt.
