@@ -215,6 +215,8 @@ mod tests {
                 crate::app::panels::exercise::KEY,
                 crate::app::panels::scenario_editor::KEY,
                 crate::app::panels::library::KEY,
+                crate::app::panels::sessions::KEY,
+                crate::app::panels::compare::KEY,
             ]
         );
         let mut main = panels.iter().filter(|p| p.home == Home::Main);

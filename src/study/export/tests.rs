@@ -101,8 +101,7 @@ fn ticks_come_back_bit_for_bit() {
         let Entry::Tick(record) = entry.expect("an entry") else {
             continue;
         };
-        let row: BTreeMap<&String, &Read> =
-            rows[n].get_column_iter().map(|(k, v)| (k, v)).collect();
+        let row: BTreeMap<&String, &Read> = rows[n].get_column_iter().collect();
         let double = |name: &str| match row[&name.to_owned()] {
             Read::Double(x) => x.to_bits(),
             other => panic!("{name}: {other:?}"),

@@ -223,7 +223,7 @@ fn a_folder_that_is_not_there_is_empty() {
 fn the_thread_hands_on_what_it_read_and_keeps_what_is_said_meanwhile() {
     let folder = folder();
     let mut thread = IndexThread::open(folder.path());
-    let (tell, told) = std::sync::mpsc::channel();
+    let (tell, told) = std::sync::mpsc::sync_channel(1024);
     let label = Label {
         tags: vec!["now".into()],
         ..Label::default()
