@@ -318,7 +318,7 @@ impl ComparePanel {
             .map(|(c, (_, t))| (c.clone(), t.clone()))
             .collect();
         let offers = measures::groups(&members);
-        if offers.len() < 2 {
+        if members.len() < 2 || offers.len() < 2 {
             ui.weak("Groups are made by tags, such as before and after, or by participants: tag the recordings in the Sessions panel and add them again");
             return;
         }
