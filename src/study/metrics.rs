@@ -117,7 +117,7 @@ const fn metric(
 /// Every measure, in the order of tables.
 #[rustfmt::skip]
 pub static METRICS: &[Metric] = &[
-    metric("duration_s", "Duration", "s", "Recorded time.", |m| Some(m.duration_s)),
+    metric("duration_s", "Finger time", "s", "Recorded time; of all fingers together, the sum of theirs.", |m| Some(m.duration_s)),
     metric("contact_s", "Contact time", "s", "Time on the skin.", |m| Some(m.contact_s)),
     metric("path_hip_mm", "Path of the finger", "mm", "Way of the HIP, on the skin and off it, by its mean positions in frames of 10 ms.", |m| Some(m.path_hip_mm)),
     metric("path_hip_contact_mm", "Path in contact", "mm", "Way of the HIP while on the skin.", |m| Some(m.path_hip_contact_mm)),

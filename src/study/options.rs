@@ -52,7 +52,7 @@ pub struct Options {
     pub sites_of_builtin: bool,
     /// A press belongs to the nearest site within this distance, mm: half the way between neighbouring levels.
     pub near_mm: f64,
-    /// Edges of the bands of force, N: rising, at most [`MOST_BANDS`] − 1 of them.
+    /// Edges of the bands of force, N: rising, at most `MOST_BANDS` − 1 of them.
     pub force_bands_n: Vec<f64>,
     /// Search and palpation.
     pub phases: PhaseRule,

@@ -45,7 +45,7 @@ pub struct Spread {
     pub max_at_s: f64,
 }
 
-/// Differences over time, in at most [`MOST_BINS`] equal bins of the first recording's time; bins without a pair are left out.
+/// Differences over time, in at most `MOST_BINS` equal bins of the first recording's time; bins without a pair are left out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Series {
     /// Middle of each bin, s of the first recording.

@@ -14,7 +14,7 @@ const LONGEST_LABEL: usize = 60;
 /// Tells a session from all others.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize)]
 pub struct Key {
-    /// Pseudonym, or [`UNKNOWN`].
+    /// Pseudonym, or `unknown`.
     pub participant: String,
     /// When it began and what its file is called, such as `20310517T093000125Z-t5-right`.
     pub session: String,

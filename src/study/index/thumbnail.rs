@@ -15,9 +15,9 @@ pub struct Thumbnail {
     pub origin_mm: [f64; 2],
     /// Edge of a cell, mm.
     pub cell_mm: f64,
-    /// Cells along x, at most [`MOST_COLUMNS`].
+    /// Cells along x, at most `MOST_COLUMNS`.
     pub columns: usize,
-    /// Cells along y, at most [`MOST_ROWS`].
+    /// Cells along y, at most `MOST_ROWS`.
     pub rows: usize,
     /// Longest time in a cell, s.
     pub most_s: f64,

@@ -14,7 +14,7 @@
 //!
 //! A sample is a tick that every finger has; lost ticks are no samples, so that the `latency` channel and not the number of
 //! the sample tells the time. Positions keep their millimetres, which the columns say. A session's folder is made beside and
-//! renamed: it is there whole or not at all. [`finish`] adds what the dataset has once; files of that sort that are there
+//! renamed: it is there whole or not at all. `finish` adds what the dataset has once; files of that sort that are there
 //! are kept, participants are added to `participants.tsv` below those that it has.
 
 mod channels;
