@@ -37,7 +37,7 @@ impl Experiment for SessionCohort {
     }
 
     fn about(&self) -> &'static str {
-        "Synthetic sessions of two fingers analysed, compared and handed on: time, sessions a second, peak memory at two sizes"
+        "Synthetic sessions of two fingers analysed and handed on: time, sessions a second, peak memory at two sizes"
     }
 
     fn takes(&self) -> &'static [Choice] {
