@@ -5,6 +5,8 @@
 
 /// Nanoseconds in a second.
 pub const NS_PER_S: f64 = 1.0e9;
+/// Milliseconds in a second.
+pub const MS_PER_S: f64 = 1.0e3;
 
 /// Millimetres from metres.
 pub fn mm_from_m(length_m: f64) -> f64 {

@@ -22,6 +22,7 @@ fn header(n_fingers: usize) -> Header {
         rated_force_n: 22.0,
         rise_n_per_s: 4400.0,
         passivity: false,
+        stiffness: Default::default(),
     };
     Header {
         scenario_toml: "format = 1\n".into(),

@@ -8,7 +8,8 @@ use dorsum::device::{Device, Reading};
 use dorsum::geom::Vec3;
 use dorsum::partition::bvh::Bvh;
 use dorsum::servo::{
-    self, Command, FingerRecord, LimitFlags, Limits, Rig, ServoConfig, TickInput, TickRecord, tick,
+    self, Command, FingerRecord, LimitFlags, Limits, Rig, ServoConfig, StiffnessBound, TickInput,
+    TickRecord, tick,
 };
 use dorsum::session::{
     DeviceInfo, Header, IfExists, MeshSource, Playback, RecorderThread, Session, SessionError,
@@ -24,6 +25,7 @@ const LIMITS: Limits = Limits {
     rated_force_n: 9.0,
     rise_n_per_s: 2000.0,
     passivity: false,
+    stiffness: StiffnessBound::AsIs,
 };
 /// The second finger's passivity controller is on.
 const PASSIVE: Limits = Limits {

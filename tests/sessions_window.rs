@@ -52,6 +52,7 @@ fn header(made: &Made) -> Header {
         rated_force_n: 22.0,
         rise_n_per_s: 4400.0,
         passivity: false,
+        stiffness: Default::default(),
     };
     Header {
         scenario_toml: example.text.into(),

@@ -17,6 +17,8 @@ const MOST_RATE_MM_S: f64 = 1.0e9;
 const MOST_GROWTH_PER_MM: f64 = 1.0e6;
 /// The steepest that an exponential becomes, over its slope at the surface; from there it goes on straight.
 const STEEPEST: f64 = 100.0;
+/// Depth over the trend at which the nonlinear model is steepest: √3.
+const STEEPEST_AT: f64 = 1.732_050_807_568_877_2;
 /// The most that damping multiplies a force by: a rate that asks for more is a jump of the device and no press.
 const MOST_DAMPING: f64 = 10.0;
 /// Largest exponent of Hunt and Crossley's law. Below 1 the skin would be infinitely stiff at the surface.
@@ -110,6 +112,43 @@ impl ForceModel {
     pub fn force_n(&self, stiffness_n_per_mm: f64, depth_mm: f64, depth_rate_mm_s: f64) -> f64 {
         let (_, d) = bounded(stiffness_n_per_mm, depth_mm);
         self.secant_n_per_mm(stiffness_n_per_mm, depth_mm, depth_rate_mm_s) * d
+    }
+
+    /// The steepest slope of F over depth at rest, N/mm, from the surface down to depth d, mm, at stiffness k, N/mm. With the
+    /// linear model k, at any depth. Of every model F over this rises with d.
+    pub fn steepest_n_per_mm(&self, stiffness_n_per_mm: f64, depth_mm: f64) -> f64 {
+        let (k, d) = bounded(stiffness_n_per_mm, depth_mm);
+        match *self {
+            Self::Linear => k,
+            Self::Nonlinear {
+                start_share,
+                trend_mm,
+            } => {
+                let x = d / positive(trend_mm);
+                // F' = k (1 − (1 − k₀/k)(1 − x²) exp(−x²/2)) is highest at x = √3; NaN or infinite where the trend is 0.
+                let x = if x.is_finite() {
+                    x.min(STEEPEST_AT)
+                } else {
+                    STEEPEST_AT
+                };
+                let rising = (1.0 - x * x) * libm::exp(-0.5 * x * x);
+                let here = 1.0 - (1.0 - share(start_share)) * rising;
+                // Without a trend the stiffness is k from the surface on.
+                if positive(trend_mm) > 0.0 {
+                    k * here
+                } else {
+                    k
+                }
+            }
+            Self::Exponential { growth_per_mm } => {
+                let x = growth(growth_per_mm) * d;
+                k * libm::exp(x.min(libm::log(STEEPEST)))
+            }
+            Self::HuntCrossley { exponent, .. } => {
+                let n = order(exponent);
+                k * n * libm::pow(d, n - 1.0)
+            }
+        }
     }
 
     /// Work of pressing slowly from the surface to depth d, mJ: the integral of F at rate 0.

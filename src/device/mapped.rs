@@ -24,21 +24,31 @@ pub struct Mapped<D> {
     held_mm: Option<Vec3>,
 }
 
+/// What a device can do, said of the finger on the subject: lengths times the scale, stiffness over it.
+pub fn on_subject(device: &Capabilities, mapping: &Mapping) -> Capabilities {
+    let scale = scale(mapping);
+    Capabilities {
+        max_stiffness_n_per_mm: device.max_stiffness_n_per_mm / scale,
+        workspace_radius_mm: device.workspace_radius_mm * scale,
+        resolution_mm: device.resolution_mm * scale,
+        ..device.clone()
+    }
+}
+
+/// Motion of the finger for motion of the device: 1 where it is no positive number.
+pub(super) fn scale(mapping: &Mapping) -> f64 {
+    if mapping.scale.is_finite() && mapping.scale > 0.0 {
+        mapping.scale
+    } else {
+        1.0
+    }
+}
+
 impl<D: Device> Mapped<D> {
     /// `device` laid over the subject as `mapping` says. A scale that is no positive number counts as 1.
     pub fn new(device: D, mapping: Mapping) -> Self {
-        let scale = if mapping.scale.is_finite() && mapping.scale > 0.0 {
-            mapping.scale
-        } else {
-            1.0
-        };
-        let theirs = device.capabilities();
-        let capabilities = Capabilities {
-            max_stiffness_n_per_mm: theirs.max_stiffness_n_per_mm / scale,
-            workspace_radius_mm: theirs.workspace_radius_mm * scale,
-            resolution_mm: theirs.resolution_mm * scale,
-            ..theirs.clone()
-        };
+        let scale = scale(&mapping);
+        let capabilities = on_subject(device.capabilities(), &mapping);
         let button = mapping.clutch_button.and_then(|n| n.checked_sub(1));
         Self {
             device,
@@ -90,6 +100,10 @@ impl<D: Device> Device for Mapped<D> {
             self.subject_from_device.transpose() * force_n
         };
         self.device.write(force_n);
+    }
+
+    fn enable(&mut self, on: bool) {
+        self.device.enable(on);
     }
 
     fn close(&mut self) {

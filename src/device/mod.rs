@@ -13,6 +13,7 @@ pub mod null;
 pub mod plug;
 pub mod replay;
 pub mod scripted;
+pub mod stable;
 pub mod vendor;
 
 use crate::geom::Vec3;
@@ -111,6 +112,11 @@ pub trait Device: Send {
 
     /// Renders a force, N, in the frame of the subject. Always finite and within the rated force.
     fn write(&mut self, force_n: Vec3);
+
+    /// Switches force output on or off as a whole. Off: the device lets go entirely, gravity compensation and damping too. A
+    /// device is off when it is opened. The servo calls it before the first tick, where it changes, and on any other device
+    /// before its first tick. Nothing by itself: the tick sends no force while it is off.
+    fn enable(&mut self, _on: bool) {}
 
     /// Zero force, then let go. Called once, also on the way out of a panic.
     fn close(&mut self) {

@@ -16,6 +16,7 @@ mod library;
 mod maps;
 mod measure;
 mod needs;
+mod stiffest;
 
 pub use build::{BuildError, Scene, build, changes_surface, rebuild};
 pub use deformation::{BonesChoice, CURVE_SAMPLES};

@@ -1,6 +1,7 @@
 //! The last step before the device: whatever comes in, what goes out is finite, within the rated force, and does not
 //! rise faster than allowed.
 
+use super::stiffness::StiffnessBound;
 use crate::device::Capabilities;
 use crate::geom::Vec3;
 
@@ -13,6 +14,8 @@ pub struct Limits {
     pub rise_n_per_s: f64,
     /// Whether the skin may give out no more energy than the finger has put in: [`passivity`](super::passivity).
     pub passivity: bool,
+    /// How stiff the skin may be rendered.
+    pub stiffness: StiffnessBound,
 }
 
 impl Default for Limits {
@@ -22,6 +25,7 @@ impl Default for Limits {
             rated_force_n: 22.0,
             rise_n_per_s: 22.0 / 0.005,
             passivity: false,
+            stiffness: StiffnessBound::AsIs,
         }
     }
 }
@@ -33,6 +37,7 @@ impl Limits {
             rated_force_n: device.rated_force_n,
             rise_n_per_s: device.rated_force_n / 0.005,
             passivity: false,
+            stiffness: StiffnessBound::AsIs,
         }
     }
 }
@@ -56,6 +61,8 @@ impl LimitFlags {
     pub const DISCONNECTED: Self = Self(32);
     /// The passivity controller changed the force.
     pub const PASSIVITY: Self = Self(64);
+    /// The skin was rendered softer than it is: [`Limits::stiffness`].
+    pub const STIFFNESS: Self = Self(128);
 
     /// Whether all of `other` is set.
     pub fn has(self, other: Self) -> bool {
@@ -144,6 +151,7 @@ mod tests {
         rated_force_n: 8.0,
         rise_n_per_s: 1000.0,
         passivity: false,
+        stiffness: StiffnessBound::AsIs,
     };
 
     #[test]
@@ -212,7 +220,7 @@ mod tests {
             rated in 0.0..30.0_f64,
             rise in 0.0..1e6_f64,
         ) {
-            let limits = Limits { rated_force_n: rated, rise_n_per_s: rise, passivity: false };
+            let limits = Limits { rated_force_n: rated, rise_n_per_s: rise, ..Limits::default() };
             let (sent, flags) = limit(Vec3::from(wanted), Vec3::from(last), OPEN, &limits, 0.001);
             prop_assert!(sent.is_finite());
             prop_assert!(sent.length() <= rated * (1.0 + 1e-12));

@@ -87,10 +87,11 @@ impl FingerRecord {
     }
 
     /// The energy balance that the next tick starts from, with the passivity controller on or off.
-    pub(super) fn observer(&self, on: bool) -> Observer {
+    /// `rendered` is the contact as the limits let it be rendered.
+    pub(super) fn observer(&self, on: bool, rendered: &Contact) -> Observer {
         if on && self.reading.is_usable() {
             let hip_mm = self.reading.position_mm;
-            Observer::after(hip_mm, &self.contact, self.passivity_energy_n_mm)
+            Observer::after(hip_mm, rendered, self.passivity_energy_n_mm)
         } else {
             Observer::default()
         }

@@ -1,5 +1,6 @@
 //! The thread that calls the tick, and the loop that does without one.
 
+use super::halt::{Running, halted};
 use super::record::{FingerRecord, TickInput, TickRecord};
 use super::tick::{Rig, tick};
 use super::timing::{Health, TimingStats};
@@ -61,7 +62,7 @@ pub enum Command {
     /// Use another device for a finger; the old one is closed and comes back through [`Lines::retired`]. Ignored (and
     /// handed back) for a finger that there is not.
     SetDevice(usize, Box<dyn Device>),
-    /// Switch force output on or off (emergency stop).
+    /// Switch force output on or off (emergency stop): the tick sends zero, and every device is told ([`Device::enable`]).
     EnableForce(bool),
     /// Start the timing statistics anew.
     ResetTiming,
@@ -139,7 +140,7 @@ pub enum Fault {
 /// A servo without a tick for this long counts as hung.
 pub const HANG_BOUND: Duration = Duration::from_millis(250);
 
-/// The running servo. Dropping it zeroes the force, closes the devices and joins the thread; a hung thread is left behind.
+/// The running servo; it ends by itself when everything is [halted](super::halt). Dropping it zeroes the force, closes the devices and joins the thread; a hung thread is left behind.
 #[derive(Debug)]
 pub struct Servo {
     shared: Arc<Shared>,
@@ -193,6 +194,12 @@ impl Drop for Servo {
 struct Devices(Vec<Box<dyn Device>>);
 
 impl Devices {
+    fn enable(&mut self, on: bool) {
+        for device in &mut self.0 {
+            device.enable(on);
+        }
+    }
+
     fn read(&mut self, dt_s: f64) -> TickInput {
         let mut input = TickInput {
             n_fingers: self.0.len(),
@@ -215,12 +222,16 @@ impl Drop for Devices {
     fn drop(&mut self) {
         for device in &mut self.0 {
             // One device that panics on closing must not keep the others from being closed.
-            let _ = catch_unwind(AssertUnwindSafe(|| device.close()));
+            let _ = catch_unwind(AssertUnwindSafe(|| {
+                device.enable(false);
+                device.close();
+            }));
         }
     }
 }
 
-/// Runs ticks one after the other as fast as they go, on the calling thread, until `each` answers `false`.
+/// Runs ticks one after the other as fast as they go, on the calling thread, until `each` answers `false` or everything is
+/// [halted](super::halt).
 ///
 /// The same tick and the same order of calls as the live servo: what a scripted device feels here it feels there.
 pub fn run_offline(
@@ -231,7 +242,9 @@ pub fn run_offline(
 ) {
     let mut devices = Devices(devices);
     devices.0.truncate(MAX_FINGERS);
-    loop {
+    let _running = Running::new();
+    devices.enable(true);
+    while halted().is_none() {
         let mut input = devices.read(dt_s);
         input.force_enabled = true;
         let out = tick(rig, &input, dt_s);
@@ -272,6 +285,7 @@ pub fn start(
         },
         last_late: None,
         place_anew: [false; MAX_FINGERS],
+        _running: Running::new(),
     };
     let in_thread = Arc::clone(&shared);
     let thread = std::thread::Builder::new()
@@ -339,10 +353,12 @@ struct Loop {
     state: Snapshot,
     last_late: Option<Instant>,
     place_anew: [bool; MAX_FINGERS],
+    _running: Running,
 }
 
 impl Loop {
     fn run(&mut self, shared: &Shared) {
+        self.devices.enable(self.state.force_enabled);
         let dt_s = self.config.dt_s();
         let period = Duration::from_secs_f64(dt_s);
         let late_bound =
@@ -350,10 +366,14 @@ impl Loop {
         let started = Instant::now();
         let mut due = started;
         let mut last_start: Option<Instant> = None;
-        while !shared.stop.load(Ordering::Acquire) {
+        while !shared.stop.load(Ordering::Acquire) && halted().is_none() {
             let now = Instant::now();
             if now < due {
                 std::thread::sleep(due - now);
+            }
+            // It may have come while this slept: then no other tick is sent.
+            if halted().is_some() {
+                return;
             }
             let start = Instant::now();
             let late = start.saturating_duration_since(due) > late_bound;
@@ -443,13 +463,21 @@ impl Loop {
                 }
                 Command::SetDevice(finger, mut device) => {
                     if let Some(slot) = self.devices.0.get_mut(finger) {
+                        device.enable(self.state.force_enabled);
                         std::mem::swap(slot, &mut device);
+                        device.enable(false);
                         device.close();
                         self.place_anew[finger] = true;
                     }
                     let _ = self.retired.push(Retired::Device(device));
                 }
-                Command::EnableForce(on) => self.state.force_enabled = on,
+                Command::EnableForce(on) => {
+                    // Off is said again: whoever presses the emergency stop twice means it.
+                    if on != self.state.force_enabled || !on {
+                        self.devices.enable(on);
+                    }
+                    self.state.force_enabled = on;
+                }
                 Command::ResetTiming => self.state.timing = TimingStats::default(),
             }
         }

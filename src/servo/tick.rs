@@ -52,7 +52,10 @@ impl Rig {
             if i < MAX_FINGERS {
                 self.contacts[i] = r.contact_state();
                 self.last_force_n[i] = r.sent_force_n;
-                self.observers[i] = r.observer(self.limits[i].passivity);
+                let limits = &self.limits[i];
+                let model = &self.scene.choices.force;
+                let rendered = limits.stiffness.rendered(model, &r.contact).0;
+                self.observers[i] = r.observer(limits.passivity, &rendered);
             }
             self.next_tick = r.tick.saturating_add(1);
         }
@@ -96,11 +99,16 @@ pub fn tick(rig: &mut Rig, input: &TickInput, dt_s: f64) -> TickRecord {
             late: input.late,
             connected: reading.is_usable(),
         };
-        let (wanted_n, damped) = passive(rig, i, &reading, &contact, dt_s);
+        let model = rig.scene.choices.force;
+        let (rendered, softer) = rig.limits[i].stiffness.rendered(&model, &contact);
+        let (wanted_n, damped) = passive(rig, i, &reading, &rendered, dt_s);
         let (sent_force_n, mut limits) =
             limit(wanted_n, rig.last_force_n[i], gate, &rig.limits[i], dt_s);
         if damped {
             limits.set(LimitFlags::PASSIVITY);
+        }
+        if softer {
+            limits.set(LimitFlags::STIFFNESS);
         }
         rig.last_force_n[i] = sent_force_n;
         out.fingers[i] = FingerRecord {
@@ -124,8 +132,8 @@ pub fn tick(rig: &mut Rig, input: &TickInput, dt_s: f64) -> TickRecord {
     out
 }
 
-/// The force wanted of a finger's device, N, and whether it is other than that of the contact: where the passivity
-/// controller is on.
+/// The force wanted of a finger's device, N, and whether it is other than that of the contact as it is rendered: where the
+/// passivity controller is on.
 fn passive(
     rig: &mut Rig,
     i: usize,

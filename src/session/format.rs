@@ -62,7 +62,7 @@
 //! | 17 | `stiffness_n_per_mm` | double | outcome | Stiffness at the proxy, N/mm |
 //! | 18 | `force_n` | Vec3 | outcome | Force before any limit, N |
 //! | 19 | `sent_force_n` | Vec3 | outcome | Force sent to the device, N |
-//! | 20 | `limits` | uint32 | outcome | Limits that acted: 1 not finite, 2 rated, 4 rise, 8 disabled, 16 late, 32 disconnected, 64 passivity controller |
+//! | 20 | `limits` | uint32 | outcome | Limits that acted: 1 not finite, 2 rated, 4 rise, 8 disabled, 16 late, 32 disconnected, 64 passivity controller, 128 skin rendered softer than it is |
 //! | 21 | `duration_us` | float | measured | Duration of the whole tick, µs |
 //! | 22 | `behind` | bool | outcome | The proxy is on the back of its triangle; absent in older files, where it never is |
 //! | 23 | `felt_depth_mm` | double | outcome | Depth the force answers to, mm; where absent, `depth_mm` |
@@ -101,7 +101,10 @@
 //! `format` = `1`, `scenario_name`, `mesh_hash` (SHA-256, hexadecimal), `mesh_origin`, `mesh_triangles`, `rate_hz` (the time
 //! step is its reciprocal), `build`, `started_utc`, `participant` (a pseudonym; absent when none), `fingers` (their number),
 //! `edit` (the number of the edit that the attached scenario is; absent: 0), `sealed` (absent: `off`), and for each finger `finger.N.device`,
-//! `finger.N.rated_force_n`, `finger.N.rise_n_per_s`, `finger.N.passivity` (`on` with the passivity controller; absent: off). `checksum` is the
+//! `finger.N.rated_force_n`, `finger.N.rise_n_per_s`, `finger.N.passivity` (`on` with the passivity controller; absent: off), and
+//! where the skin was rendered softer than it is either `finger.N.stiffness_scale` (what every force of contact was multiplied by,
+//! above 0, at most 1) or `finger.N.stiffness_clamp_n_per_mm` (the steepest slope of force over depth, above 0); neither: as stiff as
+//! the scene has it. `contact` fields of a tick are those of the scene all the same; `sent_force_n` is what was rendered. `checksum` is the
 //! CRC-32, hexadecimal, of all other entries in the order of their keys, each key and value with a zero byte behind (absent in older
 //! files). Numbers are written so that they read back to the same bits.
 //!

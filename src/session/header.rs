@@ -2,7 +2,7 @@
 
 use super::SessionError;
 use super::format::Edit;
-use crate::servo::{Limits, MAX_FINGERS};
+use crate::servo::{Limits, MAX_FINGERS, StiffnessBound};
 use crate::surface::Surface;
 use std::collections::BTreeMap;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
@@ -30,6 +30,9 @@ pub struct DeviceInfo {
     /// Whether the passivity controller was on; it is not in a session that does not say so.
     #[serde(default)]
     pub passivity: bool,
+    /// How stiff the skin was rendered to it; as it is in a session that does not say so.
+    #[serde(default)]
+    pub stiffness: StiffnessBound,
 }
 
 impl DeviceInfo {
@@ -40,6 +43,7 @@ impl DeviceInfo {
             rated_force_n: limits.rated_force_n,
             rise_n_per_s: limits.rise_n_per_s,
             passivity: limits.passivity,
+            stiffness: limits.stiffness,
         }
     }
 
@@ -49,6 +53,7 @@ impl DeviceInfo {
             rated_force_n: self.rated_force_n,
             rise_n_per_s: self.rise_n_per_s,
             passivity: self.passivity,
+            stiffness: self.stiffness,
         }
     }
 }
@@ -221,6 +226,15 @@ impl Header {
             if device.passivity {
                 put(&format!("finger.{i}.passivity"), "on".to_owned());
             }
+            match device.stiffness {
+                StiffnessBound::AsIs => None,
+                StiffnessBound::Scale { factor } => {
+                    put(&format!("finger.{i}.{SCALE}"), factor.to_string())
+                }
+                StiffnessBound::Clamp { n_per_mm } => {
+                    put(&format!("finger.{i}.{CLAMP}"), n_per_mm.to_string())
+                }
+            };
         }
         self.started_ns()?;
         Self::from_map(&map, self.scenario_toml.clone())?;
@@ -290,7 +304,42 @@ fn device(map: &BTreeMap<String, String>, finger: usize) -> Result<DeviceInfo, S
         rated_force_n: force("rated_force_n")?,
         rise_n_per_s: force("rise_n_per_s")?,
         passivity: switch(map, &format!("finger.{finger}.passivity"))?,
+        stiffness: stiffness(map, finger)?,
     })
+}
+
+const SCALE: &str = "stiffness_scale";
+const CLAMP: &str = "stiffness_clamp_n_per_mm";
+
+/// As the scene has it where nothing is said, as in older sessions.
+fn stiffness(
+    map: &BTreeMap<String, String>,
+    finger: usize,
+) -> Result<StiffnessBound, SessionError> {
+    let positive = |what: &str, most: f64, allowed: &'static str| {
+        let key = format!("finger.{finger}.{what}");
+        if !map.contains_key(&key) {
+            return Ok(None);
+        }
+        let value: f64 = number(map, &key, allowed)?;
+        if value > 0.0 && value <= most {
+            Ok(Some(value))
+        } else {
+            Err(refused(&key, &value.to_string(), allowed))
+        }
+    };
+    let scale = positive(SCALE, 1.0, "above 0, at most 1")?;
+    let clamp = positive(CLAMP, f64::MAX, "a number above 0")?;
+    match (scale, clamp) {
+        (None, None) => Ok(StiffnessBound::AsIs),
+        (Some(factor), None) => Ok(StiffnessBound::Scale { factor }),
+        (None, Some(n_per_mm)) => Ok(StiffnessBound::Clamp { n_per_mm }),
+        (Some(_), Some(clamp)) => Err(refused(
+            &format!("finger.{finger}.{CLAMP}"),
+            &clamp.to_string(),
+            "nothing, where the stiffness is scaled",
+        )),
+    }
 }
 
 /// Off where it is absent, as in older sessions.
@@ -335,6 +384,11 @@ pub(super) mod tests {
             rated_force_n: 22.0,
             rise_n_per_s: 22.0 / 0.005,
             passivity: i == 1,
+            stiffness: match i {
+                1 => StiffnessBound::Scale { factor: 2.0 / 3.0 },
+                2 => StiffnessBound::Clamp { n_per_mm: 0.4 },
+                _ => StiffnessBound::AsIs,
+            },
         });
         Header {
             scenario_toml: "format = 1\nname = \"Täst\"\n".into(),
@@ -383,6 +437,29 @@ pub(super) mod tests {
             error.contains("perhaps") && error.contains("on or off"),
             "{error}"
         );
+    }
+
+    #[test]
+    fn the_skin_is_as_stiff_as_it_is_unless_the_session_says_otherwise() {
+        let header = sample(3);
+        let mut map = header.to_map().expect("writable");
+        assert!(!map.keys().any(|k| k.starts_with("finger.0.stiffness")));
+        for (key, value, allowed) in [
+            ("finger.0.stiffness_scale", "1.5", "at most 1"),
+            ("finger.0.stiffness_scale", "0", "above 0"),
+            ("finger.0.stiffness_clamp_n_per_mm", "NaN", "above 0"),
+            ("finger.0.stiffness_clamp_n_per_mm", "soft", "above 0"),
+            ("finger.1.stiffness_clamp_n_per_mm", "0.5", "nothing"),
+        ] {
+            map.insert(key.into(), value.into());
+            let read = Header::from_map(&map, header.scenario_toml.clone());
+            let error = read.expect_err(key).to_string();
+            assert!(
+                error.contains(key) && error.contains(value) && error.contains(allowed),
+                "{error}"
+            );
+            map.remove(key);
+        }
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Reading a device file: TOML with units in the key names, checked down to line and value.
 
+use super::mechanics::MechanicsTable;
 use super::{Calibration, FORMAT, Orientation};
 use crate::device::MAX_FINGERS;
 use crate::device::hid::arm::Gravity;
@@ -14,7 +15,7 @@ use toml::Spanned;
 #[error("{0}")]
 pub struct CalibrationError(pub(super) String);
 
-type Number = Spanned<f64>;
+pub(super) type Number = Spanned<f64>;
 type Three = Spanned<[f64; 3]>;
 
 #[derive(Deserialize)]
@@ -29,6 +30,7 @@ struct File {
     arm: Option<Spanned<ArmTable>>,
     gravity: Option<Spanned<GravityTable>>,
     rate: Option<Spanned<RateTable>>,
+    mechanics: Option<MechanicsTable>,
     guards: Option<GuardsTable>,
     mapping: Option<MappingTable>,
 }
@@ -144,6 +146,9 @@ impl Calibration {
         if let Some(table) = &file.rate {
             check.rate(table, &mut out)?;
         }
+        if let Some(table) = &file.mechanics {
+            table.read(&check, &mut out.mechanics)?;
+        }
         if let Some(table) = &file.guards {
             check.guards(table, &mut out)?;
         }
@@ -155,7 +160,7 @@ impl Calibration {
 }
 
 /// Turns what is wrong into one line with file and line number.
-struct Check<'a> {
+pub(super) struct Check<'a> {
     text: &'a str,
     origin: &'a str,
 }
@@ -195,7 +200,7 @@ impl Check<'_> {
         Ok(Some(text.to_owned()))
     }
 
-    fn set(
+    pub(super) fn set(
         &self,
         key: &str,
         value: &Option<Number>,

@@ -1,6 +1,7 @@
 //! What is known of one device: its geometry, its bounds, how it is laid over the subject. One file per device.
 
 mod file;
+mod mechanics;
 mod store;
 mod text;
 
@@ -10,6 +11,7 @@ use crate::units::rad_from_deg;
 use glam::DMat3;
 
 pub use file::CalibrationError;
+pub use mechanics::Mechanics;
 pub use store::{file_name, load, save};
 
 /// Version of the file format that this program reads.
@@ -34,6 +36,8 @@ pub struct Calibration {
     pub gravity: Option<Gravity>,
     /// How a device without a place of its own is moved.
     pub rate: Option<RateControl>,
+    /// What it does to a motion by itself.
+    pub mechanics: Mechanics,
     /// What takes the force off.
     pub guards: Guards,
     /// How it is laid over the subject.
@@ -194,6 +198,7 @@ impl Calibration {
             arm: None,
             gravity: None,
             rate: None,
+            mechanics: Mechanics::default(),
             guards: Guards::default(),
             mapping: Mapping::default(),
         }

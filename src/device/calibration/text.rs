@@ -80,6 +80,18 @@ impl Calibration {
             line(format!("exponent = {:?}", r.exponent));
             line(format!("reach_mm = {:?}", r.reach_mm));
         }
+        let d = &self.mechanics;
+        line("\n[mechanics]  # at the tip; assumed until measured".into());
+        line(format!("damping_n_s_per_mm = {:?}", d.damping_n_s_per_mm));
+        line(format!("coulomb_n = {:?}", d.coulomb_n));
+        line(format!(
+            "delay_ms = {:?}  # from a reading to its force",
+            d.delay_ms
+        ));
+        line(format!(
+            "virtual_damping_n_s_per_mm = {:?}  # by the motors, while force is on",
+            d.virtual_damping_n_s_per_mm
+        ));
         let g = &self.guards;
         line("\n[guards]  # beyond these the force is taken off".into());
         line(format!("command_timeout_ms = {:?}", g.command_timeout_ms));
@@ -152,6 +164,8 @@ mod tests {
         full.serial = Some("A \"7\" \\".into());
         full.name = Some("Left arm".into());
         full.gravity = Some(ARMS[0].gravity);
+        full.mechanics.damping_n_s_per_mm = 2.5e-3;
+        full.mechanics.virtual_damping_n_s_per_mm = 1.0e-3;
         full.mapping.clutch_button = Some(2);
         full.mapping.orientation = Orientation::Upright;
         full.mapping.turn_deg = [1.5, -2.0, 90.0];
@@ -221,6 +235,14 @@ mod tests {
             (
                 "serial = \"\"\n",
                 "line 3: serial = \"\"; 1 to 120 characters",
+            ),
+            (
+                "[mechanics]\ndamping_n_s_per_mm = -1.0\n",
+                "line 4: damping_n_s_per_mm = -1; 0 to 0.1 is allowed",
+            ),
+            (
+                "[mechanics]\nfriction_n = 1.0\n",
+                "line 4: unknown key `friction_n`, allowed are `damping_n_s_per_mm`",
             ),
             (
                 "[guards]\nsilence_ms = 5000.0\n",

@@ -6,6 +6,7 @@ use super::link::Linked;
 use super::models::{self, Model};
 use super::report::{teensy, wooden};
 use super::transport::{HidPort, Port};
+use crate::device::calibration::Mechanics;
 use crate::device::mapped::Mapped;
 use crate::device::{Calibration, Capabilities, Device, DeviceError, Family, Found, Proof};
 
@@ -106,6 +107,7 @@ impl Family for Arms {
         let mut out =
             Calibration::plain(self.key, model.rated_force_n, model.max_stiffness_n_per_mm);
         out.arm = Some(model.arm());
+        out.mechanics = Mechanics::assumed(1.0e-3, 0.15);
         out
     }
 

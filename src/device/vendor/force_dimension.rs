@@ -7,6 +7,7 @@
 )]
 
 use super::{Told, force_n, link, not_loaded};
+use crate::device::calibration::Mechanics;
 use crate::device::hid::transport::{Gone, Port, REPORT};
 use crate::device::{Calibration, Capabilities, Device, DeviceError, Family, Found, Proof};
 use crate::geom::Vec3;
@@ -217,7 +218,10 @@ impl Family for ForceDimension {
 
     /// The omega.3's figures, the least of the family; a device file states others.
     fn defaults(&self) -> Calibration {
-        Calibration::plain(self.key(), 12.0, 5.0)
+        Calibration {
+            mechanics: Mechanics::assumed(3.0e-3, 0.1),
+            ..Calibration::plain(self.key(), 12.0, 5.0)
+        }
     }
 
     fn capabilities(&self, calibration: &Calibration) -> Capabilities {

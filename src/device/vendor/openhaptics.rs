@@ -10,6 +10,7 @@
 )]
 
 use super::{Told, force_n, link, not_loaded};
+use crate::device::calibration::Mechanics;
 use crate::device::hid::transport::{Gone, Port, REPORT};
 use crate::device::{Calibration, Capabilities, Device, DeviceError, Family, Found, Proof};
 use crate::geom::Vec3;
@@ -403,7 +404,10 @@ impl Family for OpenHaptics {
 
     /// The Premium 3.0's figures, the most of the family; a device is held to what it says of itself.
     fn defaults(&self) -> Calibration {
-        Calibration::plain(self.key(), 22.0, 1.0)
+        Calibration {
+            mechanics: Mechanics::assumed(1.0e-3, 0.2),
+            ..Calibration::plain(self.key(), 22.0, 1.0)
+        }
     }
 
     fn capabilities(&self, calibration: &Calibration) -> Capabilities {

@@ -15,7 +15,7 @@ use crate::device::Reading;
 use crate::geom::Vec3;
 use crate::lab::LabError;
 use crate::partition::bvh::Bvh;
-use crate::servo::{Limits, Rig, TickInput, tick};
+use crate::servo::{Limits, Rig, StiffnessBound, TickInput, tick};
 use crate::surface::Surface;
 use crate::surface::primitives::height_field;
 use serde::{Deserialize, Serialize};
@@ -46,6 +46,7 @@ pub const UNLIMITED: Limits = Limits {
     rated_force_n: f64::INFINITY,
     rise_n_per_s: f64::INFINITY,
     passivity: false,
+    stiffness: StiffnessBound::AsIs,
 };
 
 /// What became of a loop.
@@ -697,7 +698,7 @@ mod tests {
         let limits = Limits {
             rated_force_n: 3.0,
             rise_n_per_s: 600.0,
-            passivity: false,
+            ..Limits::default()
         };
         let hard = Loop {
             limits,

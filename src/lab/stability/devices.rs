@@ -57,7 +57,7 @@ impl Haptic {
         Limits {
             rated_force_n: self.rated_force_n,
             rise_n_per_s: self.rated_force_n / 0.005,
-            passivity: false,
+            ..Limits::default()
         }
     }
 }

@@ -65,7 +65,7 @@ pub(super) fn tick_heads() -> Vec<Head> {
         };
         let about = match field.name {
             "touch" => "FREE, FRICTIONLESS, STICK or SLIP.".to_owned(),
-            "limits" => "Sum of the limits that acted: 1 not finite, 2 rated, 4 rise, 8 disabled, 16 late, 32 disconnected, 64 passivity controller.".to_owned(),
+            "limits" => "Sum of the limits that acted: 1 not finite, 2 rated, 4 rise, 8 disabled, 16 late, 32 disconnected, 64 passivity controller, 128 skin rendered softer than it is.".to_owned(),
             _ => role.to_owned(),
         };
         let mut head = |name: String, sort: Sort| {
