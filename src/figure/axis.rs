@@ -127,19 +127,28 @@ impl Axis {
     /// With about `n` marks; `range`, of places, has a width.
     pub(super) fn new(range: Range<f64>, n: usize, scale: Scale) -> Self {
         match scale {
-            Scale::Linear => Self::linear(range, n),
+            Scale::Linear => Self::linear(range, n, 0.0),
             Scale::Logarithmic => Self::logarithmic(range, n),
         }
     }
 
-    fn linear(range: Range<f64>, n: usize) -> Self {
+    /// The same for numbers of things: on a linear axis no mark stands between whole numbers.
+    pub(super) fn of_whole(range: Range<f64>, n: usize, scale: Scale) -> Self {
+        match scale {
+            Scale::Linear => Self::linear(range, n, 1.0),
+            Scale::Logarithmic => Self::logarithmic(range, n),
+        }
+    }
+
+    fn linear(range: Range<f64>, n: usize, least_step: f64) -> Self {
         let rough = (range.end - range.start) / n as f64;
         let power = libm::pow(10.0, libm::floor(libm::log10(rough)));
         let step = [1.0, 2.0, 5.0]
             .into_iter()
             .map(|m| m * power)
             .find(|&s| s >= rough * 0.999)
-            .unwrap_or(10.0 * power);
+            .unwrap_or(10.0 * power)
+            .max(least_step);
         let most = range.start.abs().max(range.end.abs());
         let first = (range.start / step - 1.0e-6).ceil() as i64;
         let last = (range.end / step + 1.0e-6).floor() as i64;
@@ -243,6 +252,17 @@ fn power_text(place: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn between_whole_numbers_stands_no_mark_where_things_are_counted() {
+        let marks = |range: Range<f64>| Axis::of_whole(range, 10, Scale::Linear).marks;
+        assert_eq!(marks(0.97..2.03), [1.0, 2.0]);
+        assert_eq!(marks(0.9..4.1), [1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(
+            marks(0.0..100.0),
+            Axis::new(0.0..100.0, 10, Scale::Linear).marks
+        );
+    }
     use plotters::coord::ranged1d::{BoldPoints, LightPoints};
     use proptest::prelude::*;
 

@@ -8,6 +8,7 @@ mod camera;
 pub mod cells;
 mod file;
 mod image;
+pub mod page;
 pub mod picture;
 pub mod plot;
 mod raster;
@@ -19,6 +20,7 @@ pub use camera::Camera;
 pub use cells::{CellBox, CellMap, Class};
 pub use file::{Beside, write_files};
 pub use image::Image;
+pub use page::Page;
 pub use picture::{Ball, Picture};
 pub use plot::{LinePlot, Mark, Series, write_svg};
 

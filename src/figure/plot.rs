@@ -98,8 +98,10 @@ pub fn svg(plots: &[LinePlot], caption: &str) -> Result<String> {
         .iter()
         .any(|p| p.series.iter().any(|s| s.mark.has_dots()));
     let xs = plots.iter().flat_map(|p| points(p, x_scale)).map(|p| p[0]);
+    let whole = |p: &LinePlot| points(p, x_scale).all(|p| p[0].fract() == 0.0);
     let x = Shared {
         scale: x_scale,
+        is_counted: dotted && x_scale == Scale::Linear && plots.iter().all(whole),
         range: padded(extent(xs), if dotted { 0.03 } else { 0.0 }, x_scale),
     };
     let tall: Vec<u32> = plots
@@ -129,6 +131,8 @@ pub fn write_svg(path: &Path, plots: &[LinePlot]) -> Result<()> {
 /// The axis that plots have in common.
 struct Shared {
     scale: Scale,
+    /// Dots at whole numbers: what is between means nothing.
+    is_counted: bool,
     range: Range<f64>,
 }
 
@@ -148,7 +152,10 @@ fn draw(area: &Area, plot: &LinePlot, x: &Shared, last: bool) -> Result<()> {
         .x_label_area_size(x_label_height)
         .y_label_area_size(Y_LABEL_WIDTH)
         .build_cartesian_2d(
-            Axis::new(x.range.clone(), 10, x.scale),
+            match x.is_counted {
+                true => Axis::of_whole(x.range.clone(), 10, x.scale),
+                false => Axis::new(x.range.clone(), 10, x.scale),
+            },
             Axis::new(y_range, 5, plot.y_scale),
         )
         .map_err(Error::other)?;

@@ -1,16 +1,15 @@
 //! The sheet as one page to read and to print.
 
 use super::{Done, plots};
+use crate::figure::Page;
 use crate::figure::plot::svg;
 use crate::scenario::exercise::TASKS;
 use crate::training::analysis::Fitted;
 use crate::training::exercise;
 use crate::training::trial::TrialRecord;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, PreEscaped, html};
 use std::collections::BTreeMap;
 use std::io::Result;
-
-const STYLE: &str = include_str!("sheet.css");
 
 /// The page of some exercises: participants one after the other, their exercises in the order of time.
 ///
@@ -32,27 +31,18 @@ pub fn page(done: &[Done]) -> Result<String> {
         [one] if **one != "–" => format!("Score sheet of {one}"),
         _ => "Score sheet".to_owned(),
     };
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { "Dorsum: " (title) }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                header { p.kind { "Dorsum training" } h1 { (title) } }
-                main { @for part in &parts { (part) } }
-                footer {
-                    "Thresholds are the strengths at which the stated share of answers is right for one who never lapses, from a \
-                     function fitted by maximum likelihood with the guess rate fixed at chance; their 95 % intervals \
-                     are of likelihood ratios, judged by a parametric bootstrap. A compliance 14 % lower is a stiffness 16.3 % higher."
-                }
-            }
-        }
+    let page = Page {
+        kind: "Dorsum training",
+        title: &title,
+        style: "",
+        body: html! { @for part in &parts { (part) } },
+        footer: html! {
+            "Thresholds are the strengths at which the stated share of answers is right for one who never lapses, from a \
+             function fitted by maximum likelihood with the guess rate fixed at chance; their 95 % intervals \
+             are of likelihood ratios, judged by a parametric bootstrap. A compliance 14 % lower is a stiffness 16.3 % higher."
+        },
     };
-    Ok(page.into_string())
+    Ok(page.document())
 }
 
 fn person(name: &str, exercises: &[&Done]) -> Result<Markup> {
