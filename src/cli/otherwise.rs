@@ -2,11 +2,10 @@
 
 use super::common::progress_bar;
 use super::{CliError, print};
-use crate::contact::published::KINDS;
 use crate::session::{Divergence, Off, Otherwise, Session, SessionError, Strictness, diverge};
+use crate::study::otherwise;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use toml_edit::{DocumentMut, Item, Table, value};
 
 /// What is to be other.
 #[derive(Debug, Default, clap::Args)]
@@ -36,7 +35,7 @@ fn rate_hz(text: &str) -> Result<f64, String> {
     let allowed = "10 to 100000 Hz is allowed".to_owned();
     text.parse()
         .ok()
-        .filter(|rate| (10.0..=1.0e5).contains(rate))
+        .filter(|rate| otherwise::RATES_HZ.contains(rate))
         .ok_or(allowed)
 }
 
@@ -77,26 +76,7 @@ impl OtherwiseArgs {
     /// # Errors
     /// The text is no TOML.
     pub fn varied(&self, text: &str) -> Result<String, String> {
-        if self.engine.is_none() && self.force_model.is_none() {
-            return Ok(text.to_owned());
-        }
-        let mut document: DocumentMut = text.parse().map_err(|e| format!("{e}"))?;
-        if let Some(model) = &self.force_model {
-            let mut table = Table::new();
-            table["model"] = value(model);
-            document["force"] = Item::Table(table);
-        }
-        if let Some(engine) = &self.engine {
-            let mut table = Table::new();
-            if KINDS.contains(&engine.as_str()) {
-                table["engine"] = value("published");
-                table["partition"] = value(engine);
-            } else {
-                table["engine"] = value(engine);
-            }
-            document["contact"] = Item::Table(table);
-        }
-        Ok(document.to_string())
+        otherwise::varied(text, self.engine.as_deref(), self.force_model.as_deref())
     }
 
     /// Repeats the session otherwise and writes the table.
@@ -213,27 +193,4 @@ impl Rows {
 
 fn failed(path: &Path, error: &std::io::Error) -> CliError {
     CliError::input(format_args!("{}: {error}", path.display()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn engine_and_force_model_go_into_the_scenario() {
-        let args = OtherwiseArgs {
-            engine: Some("octree".into()),
-            force_model: Some("linear".into()),
-            ..OtherwiseArgs::default()
-        };
-        let text =
-            "format = 1\n[contact]\nsides = \"both\"\n[force]\nmodel = \"power\"\nexponent = 1.5\n";
-        let varied = args.varied(text).expect("TOML");
-        let read: toml::Table = varied.parse().expect("TOML");
-        assert_eq!(read["contact"]["engine"].as_str(), Some("published"));
-        assert_eq!(read["contact"]["partition"].as_str(), Some("octree"));
-        assert_eq!(read["force"].as_table().map(toml::Table::len), Some(1));
-        assert!(read["contact"].get("sides").is_none());
-        assert_eq!(OtherwiseArgs::default().varied(text).as_deref(), Ok(text));
-    }
 }

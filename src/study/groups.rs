@@ -4,7 +4,7 @@ use super::metrics::{METRICS, Metric, Metrics};
 use super::stats::{
     BlandAltman, GroupDifference, Icc, IccForm, Pairing, bland_altman, icc, paired, unpaired,
 };
-use super::{About, Analysis, Felt};
+use super::{About, Analysis, Felt, FingerAnalysis};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -21,8 +21,38 @@ pub struct Row {
     pub search: Metrics,
     /// While they palpated.
     pub palpation: Metrics,
+    /// Each finger, in order.
+    #[serde(default)]
+    pub fingers: Vec<FingerRow>,
+    /// Edges of the bands that [`Metrics::band_s`] goes by, N.
+    #[serde(default)]
+    pub force_bands_n: Vec<f64>,
     /// The stiffness felt.
     pub felt: Vec<Felt>,
+}
+
+/// What of a finger is kept.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FingerRow {
+    /// Which, from 0.
+    pub finger: u8,
+    /// All of the time.
+    pub whole: Metrics,
+    /// While it searched.
+    pub search: Metrics,
+    /// While it palpated.
+    pub palpation: Metrics,
+}
+
+impl FingerRow {
+    fn of(finger: &FingerAnalysis) -> Self {
+        Self {
+            finger: finger.finger,
+            whole: finger.whole.clone(),
+            search: finger.search.clone(),
+            palpation: finger.palpation.clone(),
+        }
+    }
 }
 
 impl Row {
@@ -34,6 +64,8 @@ impl Row {
             whole: analysis.whole.clone(),
             search: analysis.search.clone(),
             palpation: analysis.palpation.clone(),
+            fingers: analysis.fingers.iter().map(FingerRow::of).collect(),
+            force_bands_n: analysis.force_bands_n.clone(),
             felt: analysis.felt.clone(),
         }
     }
@@ -188,6 +220,8 @@ mod tests {
             },
             search: Metrics::default(),
             palpation: Metrics::default(),
+            fingers: Vec::new(),
+            force_bands_n: Vec::new(),
             felt: Vec::new(),
         }
     }

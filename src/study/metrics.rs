@@ -1,6 +1,7 @@
 //! Measures of a session, a finger or a phase, and the one list that all tables go by.
 
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Measures. What does not exist, such as a mean over nothing, is absent.
 ///
@@ -73,7 +74,7 @@ pub struct Metrics {
 pub struct Metric {
     /// Name in files; tells the unit.
     pub key: &'static str,
-    /// Name for people.
+    /// Name for people; of a band of force with the bounds that hold unless others are stated.
     pub title: &'static str,
     /// Unit; empty for counts and pure numbers.
     pub unit: &'static str,
@@ -84,13 +85,53 @@ pub struct Metric {
 }
 
 impl Metric {
-    /// Such as "Path length (mm)".
-    pub fn heading(&self) -> String {
-        match self.unit {
-            "" => self.title.to_owned(),
-            unit => format!("{} ({unit})", self.title),
-        }
+    /// Name for people where the bands of force have these edges, N: such as "Force 0.5–2 N".
+    pub fn title_at(&self, edges_n: &[f64]) -> Cow<'static, str> {
+        let named = self.band().and_then(|i| {
+            let above = i.checked_sub(1).map(|i| edges_n.get(i));
+            Some(match (above, edges_n.get(i)) {
+                (None, Some(to)) => format!("Force below {to} N"),
+                (Some(Some(from)), Some(to)) => format!("Force {from}–{to} N"),
+                (Some(Some(from)), None) => format!("Force {from} N and more"),
+                (None | Some(None), None) | (Some(None), Some(_)) => return None,
+            })
+        });
+        named.map_or(Cow::Borrowed(self.title), Cow::Owned)
     }
+
+    /// Such as "Path length (mm)".
+    pub fn heading_at(&self, edges_n: &[f64]) -> String {
+        with_unit(&self.title_at(edges_n), self.unit)
+    }
+
+    /// Such as "path length (mm)", for an axis.
+    pub fn axis_at(&self, edges_n: &[f64]) -> String {
+        with_unit(&lowered(&self.title_at(edges_n)), self.unit)
+    }
+
+    /// Which band of force it is the time in, from 0.
+    fn band(&self) -> Option<usize> {
+        let number = self.key.strip_prefix("band_")?.strip_suffix("_s")?;
+        number.parse::<usize>().ok()?.checked_sub(1)
+    }
+}
+
+fn with_unit(text: &str, unit: &str) -> String {
+    match unit {
+        "" => text.to_owned(),
+        unit => format!("{text} ({unit})"),
+    }
+}
+
+/// A text that begins small.
+fn lowered(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next();
+    first
+        .into_iter()
+        .flat_map(char::to_lowercase)
+        .chain(letters)
+        .collect()
 }
 
 /// The measure with this key.
@@ -129,11 +170,11 @@ pub static METRICS: &[Metric] = &[
     metric("impulse_n_s", "Impulse", "N·s", "Force times time.", |m| Some(m.impulse_n_s)),
     metric("peak_depth_mm", "Peak depth", "mm", "Greatest depth of the HIP below the skin.", |m| Some(m.peak_depth_mm)),
     metric("mean_depth_mm", "Mean depth", "mm", "Mean over the time on the skin.", |m| m.mean_depth_mm),
-    metric("band_1_s", "Force band 1", "s", "Time on the skin below the first edge, 0.5 N unless stated.", |m| m.band_s.first().copied()),
-    metric("band_2_s", "Force band 2", "s", "Time between the first and the second edge, 0.5 to 2 N unless stated.", |m| m.band_s.get(1).copied()),
-    metric("band_3_s", "Force band 3", "s", "Time in the third band, 2 to 4 N unless stated.", |m| m.band_s.get(2).copied()),
-    metric("band_4_s", "Force band 4", "s", "Time in the fourth band, 4 to 8 N unless stated.", |m| m.band_s.get(3).copied()),
-    metric("band_5_s", "Force band 5", "s", "Time in the fifth band, 8 N and more unless stated.", |m| m.band_s.get(4).copied()),
+    metric("band_1_s", "Force below 0.5 N", "s", "Time on the skin below the first edge, 0.5 N unless stated.", |m| m.band_s.first().copied()),
+    metric("band_2_s", "Force 0.5–2 N", "s", "Time between the first and the second edge, 0.5 to 2 N unless stated.", |m| m.band_s.get(1).copied()),
+    metric("band_3_s", "Force 2–4 N", "s", "Time in the third band, 2 to 4 N unless stated.", |m| m.band_s.get(2).copied()),
+    metric("band_4_s", "Force 4–8 N", "s", "Time in the fourth band, 4 to 8 N unless stated.", |m| m.band_s.get(3).copied()),
+    metric("band_5_s", "Force 8 N and more", "s", "Time in the fifth band, 8 N and more unless stated.", |m| m.band_s.get(4).copied()),
     metric("mean_speed_mm_s", "Mean speed", "mm/s", "Mean speed of the HIP.", |m| m.mean_speed_mm_s),
     metric("contact_speed_mm_s", "Speed in contact", "mm/s", "Mean speed of the HIP while on the skin.", |m| m.contact_speed_mm_s),
     metric("peak_speed_mm_s", "Peak speed", "mm/s", "Largest speed of the HIP from frame to frame.", |m| Some(m.peak_speed_mm_s)),
@@ -168,5 +209,28 @@ mod tests {
             assert!(metric.about.ends_with('.') && !metric.title.is_empty());
         }
         assert_eq!(by_key("sparc").map(|m| m.title), Some("Smoothness (SPARC)"));
+    }
+
+    #[test]
+    fn a_band_of_force_tells_its_bounds() {
+        let usual = crate::study::Options::default().force_bands_n;
+        for metric in METRICS {
+            assert_eq!(metric.title_at(&usual), metric.title, "{}", metric.key);
+        }
+        let title = |key: &str, edges: &[f64]| by_key(key).map(|m| m.heading_at(edges));
+        assert_eq!(
+            title("band_1_s", &[1.0, 3.5]).as_deref(),
+            Some("Force below 1 N (s)")
+        );
+        assert_eq!(
+            title("band_2_s", &[1.0, 3.5]).as_deref(),
+            Some("Force 1–3.5 N (s)")
+        );
+        assert_eq!(
+            title("band_3_s", &[1.0, 3.5]).as_deref(),
+            Some("Force 3.5 N and more (s)")
+        );
+        let sparc = by_key("sparc").map(|m| m.axis_at(&usual));
+        assert_eq!(sparc.as_deref(), Some("smoothness (SPARC)"));
     }
 }

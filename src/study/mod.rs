@@ -7,6 +7,7 @@
 //! | [`phases`], [`presses`], [`felt`] | search and palpation, pressing and stroking, the stiffness felt at a site |
 //! | [`smooth`] | SPARC and jerk of a movement |
 //! | [`compare`] | two recordings aligned, and how far they are apart over time |
+//! | [`otherwise`] | a recording repeated in another scenario, with another model, engine or rate, and how far that is off |
 //! | [`stats`] | agreement of series, differences of groups |
 //! | [`cohort`] | many files at once, in memory that does not grow with their number |
 //! | [`export`] | sessions handed on: Parquet, CSV, BIDS-Motion |
@@ -24,6 +25,7 @@ pub mod groups;
 pub mod index;
 pub mod metrics;
 mod options;
+pub mod otherwise;
 pub mod phases;
 pub mod presses;
 pub mod report;
@@ -41,7 +43,7 @@ pub use metrics::{METRICS, Metric, Metrics};
 pub use options::{NamedPlace, Options, PhaseRule, PressRule};
 pub use phases::{Phase, PhaseKind};
 pub use presses::{Press, PressKind};
-pub use told::{About, Analysis, Dwell, FingerAnalysis, Moment};
+pub use told::{About, Analysis, Dwell, FingerAnalysis, Moment, finger_name};
 
 use crate::session::SessionError;
 use std::path::PathBuf;
@@ -70,6 +72,9 @@ pub enum StudyError {
         /// What is allowed.
         allowed: &'static str,
     },
+    /// A scene cannot be built.
+    #[error("{0}")]
+    Scene(String),
     /// There is not enough to tell from.
     #[error("{0}")]
     TooLittle(String),

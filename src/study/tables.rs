@@ -14,7 +14,7 @@ fn value(name: impl Into<std::borrow::Cow<'static, str>>) -> Head {
     Head::new(name, Sort::Number)
 }
 
-/// One row a recording and part: whole, search, palpation.
+/// One row a recording, part (whole, search, palpation) and finger; of all fingers together without one.
 pub fn measures(rows: &[Row]) -> Table<'_> {
     let heads = [
         "file",
@@ -22,44 +22,58 @@ pub fn measures(rows: &[Row]) -> Table<'_> {
         "group",
         "scenario",
         "started_utc",
+        "force_bands_n",
         "part",
     ]
     .map(text);
+    let finger = Head::new("finger", Sort::Count).about("Finger, from 0; absent: all together.");
     let metrics = METRICS
         .iter()
         .map(|m| value(m.key).unit(m.unit).about(m.about));
-    let parts = |row| -> [(&'static str, &Metrics); 3] {
+    let parts = |row| {
         let Row {
             whole,
             search,
             palpation,
+            fingers,
             ..
         }: &Row = row;
-        [
-            ("whole", whole),
-            ("search", search),
-            ("palpation", palpation),
-        ]
+        let all = [(None, [whole, search, palpation])].into_iter();
+        let each = fingers
+            .iter()
+            .map(|f| (Some(f.finger), [&f.whole, &f.search, &f.palpation]));
+        all.chain(each).flat_map(|(finger, of)| {
+            let named = ["whole", "search", "palpation"].into_iter().zip(of);
+            named.map(move |(part, metrics)| (part, finger, metrics))
+        })
     };
     let optional = |text: &Option<String>| Cell::Text(text.clone().map(Into::into));
-    let cells = |row, (part, metrics): (&'static str, &Metrics)| {
-        let Row { about, group, .. }: &Row = row;
+    let cells = |row, (part, finger, metrics): (&'static str, Option<u8>, &Metrics)| {
+        let Row {
+            about,
+            group,
+            force_bands_n,
+            ..
+        }: &Row = row;
+        let bands: Vec<String> = force_bands_n.iter().map(f64::to_string).collect();
         let mut cells = vec![
             Cell::text(about.file.display().to_string()),
             optional(&about.participant),
             optional(group),
             Cell::text(about.scenario.clone()),
             Cell::text(about.started_utc.clone()),
+            Cell::text(bands.join("; ")),
             Cell::text(part),
+            Cell::count(finger),
         ];
         cells.extend(METRICS.iter().map(|m| Cell::number((m.get)(metrics))));
         cells
     };
     Table {
-        heads: heads.into_iter().chain(metrics).collect(),
+        heads: heads.into_iter().chain([finger]).chain(metrics).collect(),
         rows: rows
             .iter()
-            .flat_map(|row| parts(row).map(|part| cells(row, part)))
+            .flat_map(|row| parts(row).map(move |part| cells(row, part)))
             .collect(),
     }
 }

@@ -111,6 +111,17 @@ impl About {
     }
 }
 
+/// Name of a finger, from 0, for people.
+pub fn finger_name(finger: u8) -> &'static str {
+    match finger {
+        0 => "Left finger",
+        1 => "Right finger",
+        2 => "Second left finger",
+        3 => "Second right finger",
+        _ => "Further finger",
+    }
+}
+
 /// What one finger did.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FingerAnalysis {

@@ -260,15 +260,22 @@ fn session_heads() -> Vec<Head> {
     let about = ABOUT
         .iter()
         .map(|(name, sort, unit, about, _)| Head::new(*name, *sort).unit(*unit).about(*about));
-    about.chain(metric_heads()).collect()
+    let bands = Head::new("force_bands_n", Sort::Text)
+        .unit("N")
+        .about("Edges of the bands of force, with semicolons between.");
+    about.chain([bands]).chain(metric_heads()).collect()
 }
 
 /// The row of `sessions`.
 pub(super) fn session_cells(analysis: &Analysis) -> Vec<Cell<'_>> {
-    let mut cells: Vec<Cell<'_>> = Vec::with_capacity(ABOUT.len() + METRICS.len());
+    let mut cells: Vec<Cell<'_>> = Vec::with_capacity(ABOUT.len() + 1 + METRICS.len());
     for (_, _, _, _, get) in &ABOUT {
         cells.push(get(&analysis.about, &analysis.damage));
     }
+    let bands: Vec<String> = (analysis.force_bands_n.iter())
+        .map(f64::to_string)
+        .collect();
+    cells.push(Cell::text(bands.join("; ")));
     cells.extend(metric_cells(&analysis.whole));
     cells
 }

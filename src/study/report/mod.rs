@@ -9,9 +9,9 @@ pub use heat::Outline;
 use super::compare::{Comparison, Trace};
 use super::groups::{Grouped, Row, learning};
 use super::metrics::{METRICS, by_key};
-use super::{Dwell, StudyError};
-use crate::figure::plot;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use super::{Dwell, StudyError, finger_name};
+use crate::figure::{Page, plot};
+use maud::{Markup, PreEscaped, html};
 
 const STYLE: &str = include_str!("report.css");
 /// Recordings that are drawn over each other, and whose maps are shown.
@@ -45,6 +45,10 @@ pub struct Report {
     pub comparisons: Vec<Comparison>,
     /// Groups, two and two.
     pub groups: Vec<Grouped>,
+    /// Which share of the sessions the groups are compared by, such as "Palpation, right finger"; empty: all of them.
+    pub groups_by: String,
+    /// What is to be said beside the recordings, such as which could not be aligned.
+    pub notes: Vec<String>,
     /// The back, where it is at hand.
     pub outline: Option<Outline>,
 }
@@ -60,10 +64,11 @@ fn drawn(plots: &[crate::figure::LinePlot], caption: &str) -> Result<Markup, Stu
 /// None that is known: those of the drawing library, which writes to memory here.
 pub fn page(report: &Report) -> Result<String, StudyError> {
     let rows = &report.rows;
-    let title = match &rows[..] {
-        [one] => format!("Session {}", one.about.name()),
-        [a, b] => format!("{} and {}", a.about.name(), b.about.name()),
-        many => format!("{} sessions", many.len()),
+    let title = match (&report.groups[..], &rows[..]) {
+        ([one], _) => format!("{} and {}", one.names[0], one.names[1]),
+        (_, [one]) => format!("Session {}", one.about.name()),
+        (_, [a, b]) => format!("{} and {}", a.about.name(), b.about.name()),
+        (_, many) => format!("{} sessions", many.len()),
     };
     let most_s = report.dwell.iter().map(Dwell::most_s).fold(0.0, f64::max);
     let maps = rows
@@ -74,12 +79,13 @@ pub fn page(report: &Report) -> Result<String, StudyError> {
         section {
             h2 { "Recordings" }
             (tables::recordings(rows))
+            @for note in &report.notes { p.about { (note) } }
         }
         (beside(report)?)
         section {
             h2 { "Measures" }
             p.about {
-                "All fingers together. Search is moving lightly over the skin; palpation is pressing or dwelling."
+                "Search is moving lightly over the skin; palpation is pressing or dwelling. Of all fingers together times and counts are sums."
             }
             (tables::measures(rows))
             @if rows.iter().any(|r| !r.felt.is_empty()) {
@@ -97,26 +103,17 @@ pub fn page(report: &Report) -> Result<String, StudyError> {
         (groups(report)?)
         (curves(rows)?)
     };
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { "Dorsum: " (title) }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                header { p.kind { "Dorsum comparison" } h1 { (title) } }
-                main { (body) }
-                footer {
-                    "Force is that of the skin on the finger before a device limits it. SPARC: cut-off 10 Hz, threshold 0.05, padding 4, \
-                     the mean over windows of 4 s. Intervals are of 95 %."
-                }
-            }
-        }
+    let page = Page {
+        kind: "Dorsum comparison",
+        title: &title,
+        style: STYLE,
+        body,
+        footer: html! {
+            "Force is that of the skin on the finger before a device limits it. SPARC: cut-off 10 Hz, threshold 0.05, padding 4, \
+             the mean over windows of 4 s. Intervals are of 95 %."
+        },
     };
-    Ok(page.into_string())
+    Ok(page.document())
 }
 
 /// Each further recording beside the first.
@@ -149,7 +146,11 @@ fn beside(report: &Report) -> Result<Markup, StudyError> {
     let finger = comparisons[0].finger;
     let overlaid = drawn(
         &plots::overlaid(&traces),
-        &format!("Finger {finger}, aligned {}.", comparisons[0].aligned),
+        &format!(
+            "{}, aligned {}.",
+            finger_name(finger),
+            comparisons[0].aligned
+        ),
     )?;
     let mut details = Vec::new();
     for c in comparisons.iter().take(MOST_DRAWN - 1) {
@@ -168,12 +169,7 @@ fn beside(report: &Report) -> Result<Markup, StudyError> {
                 agreement.n
             );
             figures.push(drawn(
-                &[plots::agreement(
-                    agreement,
-                    "Agreement of the forces",
-                    "force",
-                    "N",
-                )],
+                &[plots::agreement(agreement, "Agreement of the forces", "N")],
                 &caption,
             )?);
         }
@@ -197,16 +193,15 @@ fn groups(report: &Report) -> Result<Markup, StudyError> {
     let mut parts = Vec::new();
     for grouped in &report.groups {
         let mut figures = Vec::new();
+        let edges_n = edges_n(&report.rows);
         for key in AGREED {
             let of = grouped.measures.iter().find(|m| m.key == key);
             if let (Some(agreement), Some(metric)) =
                 (of.and_then(|m| m.agreement.as_ref()), by_key(key))
             {
-                let what = metric.title.to_lowercase();
                 figures.push(plots::agreement(
                     agreement,
-                    metric.title,
-                    &what,
+                    &metric.title_at(edges_n),
                     metric.unit,
                 ));
             }
@@ -215,7 +210,8 @@ fn groups(report: &Report) -> Result<Markup, StudyError> {
         let figures: Vec<Markup> = figures.collect::<Result<_, _>>()?;
         parts.push(html! {
             h2 { (grouped.names[0]) " and " (grouped.names[1]) }
-            (tables::grouped(grouped))
+            @if !report.groups_by.is_empty() { p { (report.groups_by) "." } }
+            (tables::grouped(grouped, edges_n))
             @for figure in &figures { (figure) }
         });
     }
@@ -223,11 +219,21 @@ fn groups(report: &Report) -> Result<Markup, StudyError> {
 }
 
 fn curves(rows: &[Row]) -> Result<Markup, StudyError> {
+    // A participant has the same colour in every plot.
+    let mut people: Vec<&str> = Vec::new();
+    for row in rows {
+        let mut seen = people.iter();
+        if let Some(name) = row.about.participant.as_deref()
+            && seen.all(|p| *p != name)
+        {
+            people.push(name);
+        }
+    }
     let metrics = METRICS.iter().filter(|m| LEARNED.contains(&m.key));
     let plots: Vec<_> = metrics
         .map(|m| (learning(rows, m), m))
         .filter(|(curves, _)| !curves.is_empty())
-        .map(|(curves, m)| plots::learning(&curves, m))
+        .map(|(curves, m)| plots::learning(&curves, &people, &m.title_at(edges_n(rows)), m.unit))
         .collect();
     if plots.is_empty() {
         return Ok(html! {});
@@ -237,4 +243,9 @@ fn curves(rows: &[Row]) -> Result<Markup, StudyError> {
         "Sessions of a participant in the order of their start; at most six participants are drawn.",
     )?;
     Ok(html! { section { h2 { "Learning curves" } (figure) } })
+}
+
+/// Edges of the bands of force: one report goes by one set of them.
+fn edges_n(rows: &[Row]) -> &[f64] {
+    rows.first().map_or(&[], |row| &row.force_bands_n)
 }

@@ -3,7 +3,6 @@
 use crate::figure::{LinePlot, Mark, Series};
 use crate::study::compare::{Comparison, Trace};
 use crate::study::groups::Curve;
-use crate::study::metrics::Metric;
 use crate::study::stats::BlandAltman;
 
 /// What recordings are drawn in, in their order; the colours of the fingers are not among them.
@@ -67,7 +66,7 @@ pub(super) fn differences(c: &Comparison) -> Vec<LinePlot> {
             x_label: "time in the first recording (s)".into(),
             y_label: y_label.to_owned(),
             series: vec![
-                line("greatest", [206, 186, 150], Mark::Line, with(max)),
+                line("greatest size", [206, 186, 150], Mark::Line, with(max)),
                 line(mean_name, colour(0), Mark::Line, with(mean)),
             ],
             ..LinePlot::default()
@@ -98,8 +97,11 @@ pub(super) fn differences(c: &Comparison) -> Vec<LinePlot> {
     ]
 }
 
+/// Points of a level: so many that none is shown as a ring.
+const LEVEL: usize = 48;
+
 /// Differences over means, with bias and limits.
-pub(super) fn agreement(a: &BlandAltman, title: &str, what: &str, unit: &str) -> LinePlot {
+pub(super) fn agreement(a: &BlandAltman, title: &str, unit: &str) -> LinePlot {
     let with = |word: &str| match unit {
         "" => word.to_owned(),
         unit => format!("{word} ({unit})"),
@@ -109,11 +111,14 @@ pub(super) fn agreement(a: &BlandAltman, title: &str, what: &str, unit: &str) ->
         xs().fold(f64::INFINITY, f64::min),
         xs().fold(f64::NEG_INFINITY, f64::max),
     );
-    let level = |y: f64| vec![[low, y], [high, y]];
+    let level = |y: f64| -> Vec<[f64; 2]> {
+        let at = |i: usize| low + (high - low) * i as f64 / LEVEL as f64;
+        (0..=LEVEL).map(|i| [at(i), y]).collect()
+    };
     let [lower, upper] = a.limits;
     LinePlot {
         title: title.to_owned(),
-        x_label: with(&format!("mean {what} of both")),
+        x_label: with("mean of both"),
         y_label: with("second less first"),
         series: vec![
             line(
@@ -130,17 +135,21 @@ pub(super) fn agreement(a: &BlandAltman, title: &str, what: &str, unit: &str) ->
     }
 }
 
-/// A measure of some participants from session to session.
-pub(super) fn learning(curves: &[Curve], metric: &Metric) -> LinePlot {
-    let series = curves.iter().take(COLOURS.len()).enumerate();
+/// A measure of some participants from session to session; each has the colour of its place among `people`.
+pub(super) fn learning(curves: &[Curve], people: &[&str], title: &str, unit: &str) -> LinePlot {
+    let place = |c: &&Curve| people.iter().position(|p| *p == c.participant);
+    let drawn = curves
+        .iter()
+        .filter_map(|c| Some((place(&c)?, c)))
+        .filter(|(place, _)| *place < COLOURS.len());
     LinePlot {
-        title: metric.title.to_owned(),
+        title: title.to_owned(),
         x_label: "session".into(),
-        y_label: match metric.unit {
-            "" => metric.title.to_lowercase(),
-            unit => format!("({unit})"),
+        y_label: match unit {
+            "" => "value".to_owned(),
+            unit => format!("value ({unit})"),
         },
-        series: series
+        series: drawn
             .map(|(i, c)| line(&c.participant, colour(i), Mark::Joined, c.points.clone()))
             .collect(),
         ..LinePlot::default()

@@ -1,10 +1,10 @@
 //! The tables of a report.
 
 use crate::study::compare::{Comparison, Spread};
-use crate::study::groups::{Grouped, Row};
-use crate::study::metrics::METRICS;
-use crate::study::metrics::Metrics;
+use crate::study::groups::{FingerRow, Grouped, Row};
+use crate::study::metrics::{METRICS, Metric, Metrics};
 use crate::study::stats::Pairing;
+use crate::study::{Felt, finger_name};
 use maud::{Markup, html};
 
 /// Recordings that fit beside each other as columns.
@@ -54,19 +54,49 @@ pub(super) fn recordings(rows: &[Row]) -> Markup {
     }
 }
 
-type Part = (&'static str, fn(&Row) -> &Metrics);
-const PARTS: [Part; 3] = [
-    ("Whole", |r| &r.whole),
-    ("Search", |r| &r.search),
-    ("Palpation", |r| &r.palpation),
-];
+/// The measures of each recording in a part, where it has any.
+type Part<'a> = (String, Vec<Option<&'a Metrics>>);
+
+/// A name, and how measures are read from a row or a finger of it.
+type Reader<T> = (&'static str, fn(&T) -> &Metrics);
+
+/// All fingers together, then each where there is more than one.
+fn parts(rows: &[Row]) -> Vec<Part<'_>> {
+    let all: [Reader<Row>; 3] = [
+        ("Whole session, all fingers", |r| &r.whole),
+        ("Search, all fingers", |r| &r.search),
+        ("Palpation, all fingers", |r| &r.palpation),
+    ];
+    let mut parts: Vec<Part<'_>> = all
+        .into_iter()
+        .map(|(name, of)| (name.to_owned(), rows.iter().map(|r| Some(of(r))).collect()))
+        .collect();
+    let most = rows.iter().map(|r| r.fingers.len()).max().unwrap_or(0);
+    let each: [Reader<FingerRow>; 3] = [
+        ("whole session", |f| &f.whole),
+        ("search", |f| &f.search),
+        ("palpation", |f| &f.palpation),
+    ];
+    for finger in (0..most).filter(|_| most > 1) {
+        for (name, of) in each {
+            let values = rows.iter().map(|r| r.fingers.get(finger).map(of));
+            parts.push((
+                format!("{}, {name}", finger_name(finger as u8)),
+                values.collect(),
+            ));
+        }
+    }
+    parts.retain(|(_, of)| of.iter().flatten().any(|m| m.duration_s > 0.0));
+    parts
+}
 
 /// Measures as rows where few recordings fit as columns; else the recordings as rows.
 pub(super) fn measures(rows: &[Row]) -> Markup {
+    let edges_n = super::edges_n(rows);
     if rows.len() > MOST_COLUMNS {
         return html! {
             div.wide { table {
-                thead { tr { th.text { "File" } @for m in METRICS { th title=(m.about) { (m.heading()) } } } }
+                thead { tr { th.text { "File" } @for m in METRICS { th title=(m.about) { (m.heading_at(edges_n)) } } } }
                 tbody { @for row in rows { tr {
                     td.text { (row.about.name()) }
                     @for m in METRICS { td { (number((m.get)(&row.whole))) } }
@@ -75,34 +105,55 @@ pub(super) fn measures(rows: &[Row]) -> Markup {
         };
     }
     html! {
-        div.wide { table {
-            thead { tr { th.text { "Measure" } @for row in rows { th { (row.about.name()) } } } }
-            tbody { @for (part, of) in PARTS.into_iter().filter(|(_, of)| rows.iter().any(|r| of(r).duration_s > 0.0)) {
-                tr.part { td.text colspan=(rows.len() + 1) { (part) } }
-                @for m in METRICS.iter().filter(|m| rows.iter().any(|r| (m.get)(of(r)).is_some())) { tr {
-                    td.text title=(m.about) { (m.heading()) }
-                    @for row in rows { td { (number((m.get)(of(row)))) } }
+        @for (i, (part, of)) in parts(rows).iter().enumerate() {
+            @let get = |m: &Metric, k: usize| of[k].and_then(m.get);
+            details open[i == 0] {
+                summary { (part) }
+                div.wide { table {
+                    thead { tr { th.text { "Measure" } @for row in rows { th { (row.about.name()) } } } }
+                    tbody { @for m in METRICS.iter().filter(|m| (0..rows.len()).any(|k| get(m, k).is_some())) { tr {
+                        td.text title=(m.about) { (m.heading_at(edges_n)) }
+                        @for k in 0..rows.len() { td { (number(get(m, k))) } }
+                    } } }
                 } }
-            } }
-        } }
+            }
+        }
     }
 }
 
+/// The stiffness at each site, recording beside recording.
 pub(super) fn felt(rows: &[Row]) -> Markup {
+    let shown = &rows[..rows.len().min(MOST_COLUMNS)];
+    let mut sites: Vec<&str> = Vec::new();
+    for felt in shown.iter().flat_map(|r| &r.felt) {
+        if !sites.contains(&felt.site.as_str()) {
+            sites.push(&felt.site);
+        }
+    }
     html! {
         div.wide { table {
-            thead { tr {
-                th.text { "File" } th.text { "Site" } th { "Presses" } th { "Slope (N/mm)" } th { "95 % interval (N/mm)" } th { "R²" }
-            } }
-            tbody { @for row in rows.iter().take(MOST_COLUMNS) { @for felt in &row.felt { tr {
-                td.text { (row.about.name()) }
-                td.text { (felt.site) }
-                td { (felt.presses) }
-                td { (number(Some(felt.slope_n_per_mm))) }
-                td { (felt.interval_n_per_mm.map_or("–".to_owned(), interval)) }
-                td { (number(felt.r_squared)) }
-            } } } }
+            thead { tr { th.text { "Site" } @for row in shown { th { (row.about.name()) } } } }
+            tbody { @for site in &sites { tr {
+                td.text { (site) }
+                @for row in shown {
+                    @let felt = row.felt.iter().find(|f| f.site == **site);
+                    td title=[felt.map(presses)] {
+                        (number(felt.map(|f| f.slope_n_per_mm)))
+                        @if let Some(range) = felt.and_then(|f| f.interval_n_per_mm) { " (" (interval(range)) ")" }
+                    }
+                }
+            } } }
         } }
+        @if rows.len() > shown.len() { p.about { "The first " (shown.len()) " recordings." } }
+    }
+}
+
+fn presses(felt: &Felt) -> String {
+    let n = felt.presses;
+    let word = if n == 1 { "press" } else { "presses" };
+    match felt.r_squared {
+        Some(r) => format!("{n} {word}, R² {r:.4}"),
+        None => format!("{n} {word}"),
     }
 }
 
@@ -135,7 +186,7 @@ pub(super) fn spreads(comparisons: &[Comparison]) -> Markup {
     }
 }
 
-pub(super) fn grouped(grouped: &Grouped) -> Markup {
+pub(super) fn grouped(grouped: &Grouped, edges_n: &[f64]) -> Markup {
     let [a, b] = &grouped.names;
     let paired = grouped.pairing == Pairing::Paired;
     let [n_a, n_b] = grouped.participants;
@@ -156,16 +207,14 @@ pub(super) fn grouped(grouped: &Grouped) -> Markup {
         @if measures().next().is_none() { p { "Too few, or nothing varies: no measure can be compared." } }
         @else { div.wide { table {
             thead { tr {
-                th.text { "Measure" } th { (a) } th { (b) } th { "Difference" } th { "95 % interval" } th { "g" } th { "95 % interval" }
+                th.text { "Measure" } th { (a) } th { (b) } th { "Difference (95 % interval)" } th { "g (95 % interval)" }
                 @if paired { th { "ICC(2,1)" } th { "ICC(3,1)" } }
             } }
             tbody { @for (of, metric, d) in measures() { tr {
-                td.text title=(metric.about) { (metric.heading()) }
+                td.text title=(metric.about) { (metric.heading_at(edges_n)) }
                 @for s in &d.groups { td { (number(Some(s.mean))) " ± " (number(Some(s.sd))) } }
-                td { (number(Some(d.difference))) }
-                td { (interval(d.difference_interval)) }
-                td { (format!("{:.2}", d.g).replace('-', "\u{2212}")) }
-                td { (format!("{:.2} to {:.2}", d.g_interval[0], d.g_interval[1]).replace('-', "\u{2212}")) }
+                td { (number(Some(d.difference))) " (" (interval(d.difference_interval)) ")" }
+                td { (format!("{:.2} ({:.2} to {:.2})", d.g, d.g_interval[0], d.g_interval[1]).replace('-', "\u{2212}")) }
                 @if paired { @for i in 0..2 { td {
                     @if let Some(icc) = of.icc.get(i) {
                         (format!("{:.2} ({:.2} to {:.2})", icc.value, icc.interval[0], icc.interval[1]).replace('-', "\u{2212}"))
