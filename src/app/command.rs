@@ -50,6 +50,8 @@ pub enum Command {
     RecoverRecording(PathBuf),
     /// Add recordings to those that are compared, and show them.
     Compare(Vec<Compared>),
+    /// A recording has other tags now; if it is compared, it is compared with these.
+    Retag(Compared),
     /// Take a recording out of those that are compared.
     Uncompare(PathBuf),
     /// Show recordings as ghosts beside the one that is replayed.

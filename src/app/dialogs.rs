@@ -111,6 +111,25 @@ pub fn save_table(
     });
 }
 
+/// Asks where to write a page; `then` gets its path.
+pub fn save_page(
+    send: &CommandSender,
+    what: &'static str,
+    folder: PathBuf,
+    file_name: &'static str,
+    then: impl FnOnce(PathBuf) + Send + 'static,
+) {
+    ask(send, what, move |dialog| {
+        let picked = dialog
+            .set_title(format!("Save {what}"))
+            .add_filter("Page", &["html"])
+            .set_directory(folder)
+            .set_file_name(file_name)
+            .save_file();
+        answered(picked, then)
+    });
+}
+
 /// Asks for a folder to write into; `then` gets its path.
 pub fn open_folder(
     send: &CommandSender,

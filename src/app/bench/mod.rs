@@ -652,6 +652,13 @@ impl Bench {
         }
     }
 
+    /// Gives a recording its tags anew where it is compared.
+    pub fn retag(&mut self, recording: Compared) {
+        if self.compared.iter().any(|c| c.path == recording.path) {
+            self.compare(vec![recording]);
+        }
+    }
+
     /// Takes a recording out of those that are compared.
     pub fn uncompare(&mut self, path: &Path) {
         Arc::make_mut(&mut self.compared).retain(|c| c.path != path);

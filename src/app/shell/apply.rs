@@ -31,6 +31,7 @@ impl Workbench {
                 shared.bench().compare(recordings);
                 self.layout_mut().show(panels::compare::KEY);
             }
+            Command::Retag(recording) => shared.bench().retag(recording),
             Command::Uncompare(path) => shared.bench().uncompare(&path),
             Command::AddGhosts(paths) => shared.bench().add_ghosts(paths),
             Command::RemoveGhost(path) => shared.bench().remove_ghost(&path),

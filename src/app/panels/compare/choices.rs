@@ -10,6 +10,7 @@ use crate::app::panels::sessions::entry::duration;
 use crate::app::state::Compared;
 use crate::app::widgets::{icon_button, named};
 use crate::study::compare::{Align, Anchor, CompareOptions};
+use crate::study::finger_name;
 use egui::{Label, RichText};
 use egui_material_icons::icons as icon;
 use std::path::PathBuf;
@@ -17,12 +18,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// Height of the list of recordings, at most, points.
 const LIST: f32 = 104.0;
-const FINGERS: [&str; 4] = [
-    "Left finger",
-    "Right finger",
-    "Second left finger",
-    "Second right finger",
-];
 
 /// What was chosen.
 #[derive(Default)]
@@ -184,19 +179,15 @@ impl Choices {
 
     fn finger_ui(&mut self, ui: &mut egui::Ui) {
         let mut finger = self.options().finger;
-        let name = FINGERS
-            .get(usize::from(finger))
-            .copied()
-            .unwrap_or("Finger");
         let combo = egui::ComboBox::from_id_salt("finger")
-            .selected_text(name)
+            .selected_text(finger_name(finger))
             .width(130.0)
             .show_ui(ui, |ui| {
-                for (i, name) in FINGERS.iter().enumerate() {
-                    ui.selectable_value(&mut finger, i as u8, *name);
+                for i in 0..crate::device::MAX_FINGERS as u8 {
+                    ui.selectable_value(&mut finger, i, finger_name(i));
                 }
             });
-        let why = "Whose traces are shown and compared; tables are of all fingers together";
+        let why = "Whose traces are shown and compared";
         combo.response.on_hover_text(why).widget_info(|| {
             egui::WidgetInfo::labeled(egui::accesskit::Role::ComboBox, true, "Compared finger")
         });

@@ -1,6 +1,6 @@
 //! Curves: traces over each other, their difference over time, agreement, learning.
 
-use super::measures::{Named, Part};
+use super::measures::{Named, Share, edges_n};
 use crate::app::theme::Theme;
 use crate::figure::{LinePlot, Mark, Series};
 use crate::study::Metric;
@@ -152,12 +152,12 @@ pub fn agreement(found: &BlandAltman, of: &str, title: &str, theme: &Theme) -> L
 }
 
 /// A measure over the sessions of each participant, in the order in which they were recorded.
-pub fn learning(told: &[Named], metric: &Metric, part: Part, theme: &Theme) -> LinePlot {
+pub fn learning(told: &[Named], metric: &Metric, share: Share, theme: &Theme) -> LinePlot {
     let mut by: BTreeMap<&str, Vec<(&str, f64)>> = BTreeMap::new();
     for (name, t) in told {
         let about = &t.analysis.about;
         let who = about.participant.as_deref().unwrap_or(name);
-        if let Some(value) = (metric.get)(part.of(&t.analysis)) {
+        if let Some(value) = share.of(&t.analysis).and_then(metric.get) {
             by.entry(who).or_default().push((&about.started_utc, value));
         }
     }
@@ -171,14 +171,10 @@ pub fn learning(told: &[Named], metric: &Metric, part: Part, theme: &Theme) -> L
             points: points.map(|(k, (_, v))| [(k + 1) as f64, *v]).collect(),
         }
     });
-    let y_label = match metric.unit {
-        "" => metric.title.to_lowercase(),
-        unit => format!("{} ({unit})", metric.title.to_lowercase()),
-    };
     LinePlot {
-        title: format!("{} over sessions", metric.title),
+        title: format!("{} over sessions", metric.title_at(edges_n(told))),
         x_label: "session of the participant".into(),
-        y_label,
+        y_label: metric.axis_at(edges_n(told)),
         series: series.collect(),
         ..LinePlot::default()
     }

@@ -1,10 +1,9 @@
 //! Tables: measures side by side, the stiffness felt at sites, groups.
 
 use super::work::Told;
-use crate::app::state::Compared;
+use crate::app::widgets::named;
 use crate::lab::{Table, Value};
-use crate::study::stats::{paired, unpaired};
-use crate::study::{Analysis, METRICS, Metric, Metrics};
+use crate::study::{self, Analysis, Felt, METRICS, Metric, Metrics};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -32,42 +31,110 @@ impl Part {
             Self::Palpation => "Palpation",
         }
     }
+}
 
-    /// The measures of that part.
-    pub fn of(self, analysis: &Analysis) -> &Metrics {
-        match self {
-            Self::Whole => &analysis.whole,
-            Self::Search => &analysis.search,
-            Self::Palpation => &analysis.palpation,
-        }
+/// Which share of a recording is measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Share {
+    /// Which part of its time.
+    pub part: Part,
+    /// Which finger, from 0; all together without one.
+    pub finger: Option<u8>,
+}
+
+impl Share {
+    /// In words, such as "Palpation, right finger".
+    pub fn words(self) -> String {
+        let finger = self.finger.map_or("all fingers".into(), |finger| {
+            study::finger_name(finger).to_lowercase()
+        });
+        format!("{}, {finger}", self.part.words())
+    }
+
+    /// The measures of that share; `None` where there is no such finger.
+    pub fn of(self, analysis: &Analysis) -> Option<&Metrics> {
+        let Some(finger) = self.finger else {
+            return Some(match self.part {
+                Part::Whole => &analysis.whole,
+                Part::Search => &analysis.search,
+                Part::Palpation => &analysis.palpation,
+            });
+        };
+        let found = analysis.fingers.iter().find(|f| f.finger == finger)?;
+        Some(match self.part {
+            Part::Whole => &found.whole,
+            Part::Search => &found.search,
+            Part::Palpation => &found.palpation,
+        })
+    }
+
+    /// To choose it: parts, and as many fingers as there are in one of the recordings.
+    pub fn ui(&mut self, ui: &mut egui::Ui, told: &[Named]) {
+        let fingers = told.iter().map(|(_, t)| t.analysis.fingers.len());
+        let most = fingers.max().unwrap_or(0) as u8;
+        ui.horizontal_wrapped(|ui| {
+            for part in Part::ALL {
+                let on = self.part == part;
+                let label = ui
+                    .selectable_label(on, part.words())
+                    .on_hover_text("Which part of each recording is measured");
+                if label.clicked() {
+                    self.part = part;
+                }
+            }
+            ui.separator();
+            let all = [(None, "All fingers")].into_iter();
+            let each = (0..most).map(|i| (Some(i), study::finger_name(i)));
+            for (finger, name) in all.chain(each) {
+                let on = self.finger == finger;
+                let label = ui.selectable_label(on, name).on_hover_text(
+                    "Whose measures they are; of all together times and counts are sums",
+                );
+                named(ui, &label, &format!("Measures of {}", name.to_lowercase()));
+                if label.clicked() {
+                    self.finger = finger;
+                }
+            }
+        });
     }
 }
 
 /// A recording in the tables: what it is called, and what it told.
 pub type Named = (String, Arc<Told>);
 
-fn number(x: Option<f64>) -> Value {
+/// A cell with a number, empty where there is none.
+pub fn number(x: Option<f64>) -> Value {
     x.filter(|x| x.is_finite())
         .map_or(Value::Empty, Value::from)
 }
 
-/// One row for each measure, one column for each recording; of two the difference too.
-pub fn side_by_side(told: &[Named], part: Part) -> Table {
+/// Edges of the bands of force of the first; all are analysed alike.
+pub fn edges_n(told: &[Named]) -> &[f64] {
+    told.first().map_or(&[], |(_, t)| &t.analysis.force_bands_n)
+}
+
+/// One row for each measure, one column for each recording with the seconds that it lasted; of two the difference too.
+pub fn side_by_side(told: &[Named], share: Share) -> Table {
+    let lasted = |t: &Arc<Told>| share.of(&t.analysis).map_or(0.0, |m| m.duration_s);
+    let headings: Vec<String> = (told.iter())
+        .map(|(name, t)| format!("{name} ({:.1} s)", lasted(t)))
+        .collect();
     let mut columns = vec!["measure", "unit"];
-    columns.extend(told.iter().map(|(name, _)| name.as_str()));
+    columns.extend(headings.iter().map(String::as_str));
     if told.len() == 2 {
         columns.push("B − A");
     }
-    let title = format!("Measures: {}", part.words().to_lowercase());
+    let title = format!("Measures: {}", share.words().to_lowercase());
     let mut table = Table::new("measures", title, &columns);
     for metric in METRICS {
         let values: Vec<Option<f64>> = (told.iter())
-            .map(|(_, t)| (metric.get)(part.of(&t.analysis)))
+            .map(|(_, t)| (metric.get)(share.of(&t.analysis)?))
             .collect();
         if values.iter().all(Option::is_none) {
             continue;
         }
-        let mut row = vec![Value::from(metric.title), Value::from(metric.unit)];
+        let name = metric.title_at(edges_n(told));
+        let mut row = vec![Value::from(&*name), Value::from(metric.unit)];
         row.extend(values.iter().map(|v| number(*v)));
         if let [a, b] = values[..] {
             row.push(number(a.zip(b).map(|(a, b)| b - a)));
@@ -77,11 +144,20 @@ pub fn side_by_side(told: &[Named], part: Part) -> Table {
     table
 }
 
-/// The stiffness felt at each site that was pressed in one of them.
-pub fn felt(told: &[Named]) -> Option<Table> {
-    let sites: BTreeSet<&str> = (told.iter())
-        .flat_map(|(_, t)| t.analysis.felt.iter().map(|f| f.site.as_str()))
-        .collect();
+/// The stiffness felt at each site that was pressed in one of them, by a finger or by all.
+pub fn felt(told: &[Named], finger: Option<u8>) -> Option<Table> {
+    let felt = |t: &'_ Arc<Told>| -> Vec<Felt> {
+        let analysis = &t.analysis;
+        match finger {
+            None => analysis.felt.clone(),
+            Some(finger) => {
+                let mut found = analysis.fingers.iter().filter(|f| f.finger == finger);
+                found.next().map_or(Vec::new(), |f| f.felt.clone())
+            }
+        }
+    };
+    let felt: Vec<Vec<Felt>> = told.iter().map(|(_, t)| felt(t)).collect();
+    let sites: BTreeSet<&str> = (felt.iter().flatten()).map(|f| f.site.as_str()).collect();
     if sites.is_empty() {
         return None;
     }
@@ -90,11 +166,15 @@ pub fn felt(told: &[Named]) -> Option<Table> {
         .collect();
     let mut columns = vec!["site"];
     columns.extend(headings.iter().map(String::as_str));
-    let mut table = Table::new("stiffness", "Stiffness felt where it was pressed", &columns);
+    let whose = finger.map_or(String::new(), |finger| {
+        format!(": {}", study::finger_name(finger).to_lowercase())
+    });
+    let title = format!("Stiffness felt where it was pressed{whose}");
+    let mut table = Table::new("stiffness", title, &columns);
     for site in sites {
         let mut row = vec![Value::from(site)];
-        for (_, t) in told {
-            let felt = t.analysis.felt.iter().find(|f| f.site == site);
+        for felt in &felt {
+            let felt = felt.iter().find(|f| f.site == site);
             row.push(number(felt.map(|f| f.slope_n_per_mm)));
             let interval = felt.and_then(|f| f.interval_n_per_mm);
             row.push(interval.map_or(Value::Empty, |[lo, hi]| {
@@ -104,134 +184,6 @@ pub fn felt(told: &[Named]) -> Option<Table> {
         table.push(row);
     }
     Some(table)
-}
-
-/// Who is in a group.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Group {
-    /// Recordings with this tag.
-    Tag(String),
-    /// Recordings of this participant.
-    Participant(String),
-}
-
-impl Group {
-    /// In words.
-    pub fn words(&self) -> &str {
-        match self {
-            Self::Tag(name) | Self::Participant(name) => name,
-        }
-    }
-
-    fn holds(&self, of: &Compared, told: &Told) -> bool {
-        match self {
-            Self::Tag(tag) => of.tags.contains(tag),
-            Self::Participant(name) => told.analysis.about.participant.as_ref() == Some(name),
-        }
-    }
-}
-
-/// Groups that could be made of them.
-pub fn groups(told: &[(Compared, Arc<Told>)]) -> Vec<Group> {
-    let mut groups = BTreeSet::new();
-    for (of, told) in told {
-        groups.extend(of.tags.iter().cloned().map(Group::Tag));
-        let participant = told.analysis.about.participant.clone();
-        groups.extend(participant.map(Group::Participant));
-    }
-    groups.into_iter().collect()
-}
-
-/// Two groups, measure by measure: means, difference with its interval, effect size with its own. Where every participant of
-/// one group is in the other too they are compared with themselves.
-pub fn between(told: &[(Compared, Arc<Told>)], of: [&Group; 2], part: Part) -> Table {
-    let members = |group: &Group| -> Vec<&Arc<Told>> {
-        told.iter()
-            .filter(|(c, t)| group.holds(c, t))
-            .map(|(_, t)| t)
-            .collect()
-    };
-    let [first, second] = of.map(members);
-    let pairs = partners(&first, &second);
-    let columns = [
-        "measure",
-        "unit",
-        "mean 1",
-        "SD 1",
-        "n 1",
-        "mean 2",
-        "SD 2",
-        "n 2",
-        "difference",
-        "95 %",
-        "Hedges g",
-        "g, 95 %",
-    ];
-    let title = format!(
-        "{} (1) against {} (2), {}",
-        of[0].words(),
-        of[1].words(),
-        match pairs {
-            Some(_) => "the same participants: paired",
-            None => "unpaired (Welch)",
-        }
-    );
-    let mut table = Table::new("groups", title, &columns);
-    for metric in METRICS {
-        let value = |t: &Arc<Told>| (metric.get)(part.of(&t.analysis));
-        let difference = match &pairs {
-            Some(pairs) => {
-                let both = pairs
-                    .iter()
-                    .filter_map(|[a, b]| Some([value(a)?, value(b)?]));
-                paired(&both.collect::<Vec<_>>())
-            }
-            None => {
-                let of = |group: &[&Arc<Told>]| group.iter().filter_map(|t| value(t)).collect();
-                let (a, b): (Vec<f64>, Vec<f64>) = (of(&first), of(&second));
-                unpaired(&a, &b)
-            }
-        };
-        let Some(d) = difference else { continue };
-        let interval = |[lo, hi]: [f64; 2]| Value::from(format!("{lo:.3} to {hi:.3}").as_str());
-        let mut row = vec![Value::from(metric.title), Value::from(metric.unit)];
-        for s in d.groups {
-            row.extend([number(Some(s.mean)), number(Some(s.sd)), Value::from(s.n)]);
-        }
-        row.extend([
-            number(Some(d.difference)),
-            interval(d.difference_interval),
-            number(Some(d.g)),
-            interval(d.g_interval),
-        ]);
-        table.push(row);
-    }
-    table
-}
-
-/// The recordings of each participant in both groups, where each has exactly one in either.
-fn partners<'a>(
-    first: &[&'a Arc<Told>],
-    second: &[&'a Arc<Told>],
-) -> Option<Vec<[&'a Arc<Told>; 2]>> {
-    let who = |t: &Arc<Told>| t.analysis.about.participant.clone();
-    if first.len() != second.len() || first.is_empty() {
-        return None;
-    }
-    first
-        .iter()
-        .map(|a| {
-            let name = who(a)?;
-            let alone = first
-                .iter()
-                .filter(|t| who(t).as_ref() == Some(&name))
-                .count()
-                == 1;
-            let mut others = second.iter().filter(|t| who(t).as_ref() == Some(&name));
-            let other = others.next()?;
-            (alone && others.next().is_none()).then_some([*a, *other])
-        })
-        .collect()
 }
 
 /// The measure with this key, or the first.

@@ -6,6 +6,7 @@ use crate::app::bench::job::{Job, Progress};
 use crate::app::state::{BuildStatus, Compared};
 use crate::session::Session;
 use crate::study::compare::{CompareOptions, Comparison, Trace, compare, traces};
+use crate::study::index::Labels;
 use crate::study::{self, Analysis, Options};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -18,6 +19,8 @@ pub struct Told {
     pub analysis: Analysis,
     /// Each finger over time.
     pub traces: Vec<Trace>,
+    /// Its tags when it was read.
+    pub tags: Vec<String>,
 }
 
 /// Size and time of change: another one, and the recording is read again.
@@ -53,6 +56,8 @@ pub struct Work {
     stopped: bool,
     /// Counts what was found.
     number: u64,
+    /// Recordings that were read since that was asked for.
+    read: Vec<PathBuf>,
 }
 
 impl Work {
@@ -71,6 +76,16 @@ impl Work {
     ) -> Option<&Result<Arc<Comparison>, String>> {
         let is = |p: &&Pair| p.paths[0] == a && p.paths[1] == b && p.options == *options;
         Some(&self.pairs.iter().find(is)?.found)
+    }
+
+    /// The recordings that were read since that was asked for last, with their tags.
+    pub fn take_read(&mut self) -> Vec<Compared> {
+        let read = std::mem::take(&mut self.read);
+        let tagged = |path: PathBuf| {
+            let tags = self.of(&path)?.as_ref().ok()?.tags.clone();
+            Some(Compared { path, tags })
+        };
+        read.into_iter().filter_map(tagged).collect()
     }
 
     /// Changes whenever more is known.
@@ -175,6 +190,7 @@ impl Work {
                 Found::Known(known) => {
                     self.known.retain(|k| k.path != known.path);
                     self.pairs.retain(|p| !p.paths.contains(&known.path));
+                    self.read.push(known.path.clone());
                     self.known.push(known);
                 }
                 Found::Pair(pair) => self.pairs.push(pair),
@@ -239,7 +255,23 @@ fn read(path: &Path, progress: &mut dyn FnMut(f64) -> bool) -> Result<Told, Stri
     let mut second = |s: f64| progress(0.5 + 0.5 * s);
     let traces = traces(&session, analysis.about.ticks, &mut second);
     let traces = traces.map_err(|e| e.to_string())?;
-    Ok(Told { analysis, traces })
+    let tags = tags_of(&session);
+    Ok(Told {
+        analysis,
+        traces,
+        tags,
+    })
+}
+
+/// What the user wrote on a recording; nothing where that cannot be read, which the Sessions panel says.
+fn tags_of(session: &Session) -> Vec<String> {
+    let path = session.path();
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let started = &session.header().started_utc;
+    let labels = Labels::read(folder).unwrap_or_default();
+    let label = labels.get(&name, Some(started), folder);
+    label.map(|l| l.tags.clone()).unwrap_or_default()
 }
 
 /// Two files, and what each told.

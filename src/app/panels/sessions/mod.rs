@@ -316,7 +316,9 @@ impl SessionsPanel {
                     return;
                 };
                 if let Some(tags) = detail::ui(ui, cx, entry, &mut self.tags) {
-                    held.shelf.tag(&entry.path, tags);
+                    held.shelf.tag(&entry.path, tags.clone());
+                    let path = entry.path.clone();
+                    cx.send.send(Command::Retag(Compared { path, tags }));
                 }
             });
         if entries.is_empty() && progress.is_none() {
