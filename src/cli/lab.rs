@@ -36,6 +36,9 @@ pub struct LabArgs {
     /// Where chance starts: the same number gives the same. Without: 0.
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
+    /// How long to work in real time, s. Without: the experiment's own time.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    seconds: Option<f64>,
     /// Folder that keeps finished parts, so that a stopped run goes on. Without: the user's cache folder.
     #[arg(long, value_name = "DIR", conflicts_with = "no_cache")]
     cache: Option<PathBuf>,
@@ -54,6 +57,15 @@ fn triangles(text: &str) -> Result<usize, String> {
         .ok()
         .filter(|n| allowed.contains(n))
         .ok_or_else(|| format!("{} to {} triangles are allowed", back::FEWEST, back::MOST))
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let allowed = lab::SECONDS;
+    text.trim()
+        .parse()
+        .ok()
+        .filter(|s| allowed.contains(s))
+        .ok_or_else(|| format!("{} to {} s are allowed", allowed.start(), allowed.end()))
 }
 
 /// Runs `dorsum lab`.
@@ -118,6 +130,7 @@ struct Listed {
     takes_scenario: bool,
     takes_session: bool,
     takes_seed: bool,
+    takes_seconds: bool,
 }
 
 fn list(json: bool) -> Result<Outcome, CliError> {
@@ -134,6 +147,7 @@ fn list(json: bool) -> Result<Outcome, CliError> {
                 takes_scenario: takes(Choice::Scene),
                 takes_session: takes(Choice::Session),
                 takes_seed: takes(Choice::Seed),
+                takes_seconds: takes(Choice::Seconds),
             }
         })
         .collect();
@@ -167,6 +181,7 @@ fn setup(args: &LabArgs, chosen: &[&dyn Experiment]) -> Result<Setup, CliError> 
         ("--scenario", args.scenario.is_some(), Choice::Scene),
         ("--session", args.session.is_some(), Choice::Session),
         ("--seed", args.seed.is_some(), Choice::Seed),
+        ("--seconds", args.seconds.is_some(), Choice::Seconds),
     ] {
         if given && !chosen.iter().any(|e| e.takes().contains(&choice)) {
             let takers: Vec<_> = lab::all()
@@ -209,6 +224,7 @@ fn setup(args: &LabArgs, chosen: &[&dyn Experiment]) -> Result<Setup, CliError> 
         scene,
         session: args.session.clone(),
         seed: args.seed.unwrap_or_default(),
+        seconds: args.seconds,
         shelf: shelf(args),
     })
 }

@@ -101,6 +101,8 @@ pub struct Setup {
     pub session: Option<PathBuf>,
     /// Where chance starts: the same seed gives the same.
     pub seed: u64,
+    /// How long it works in real time, s; the experiment's own time without it.
+    pub seconds: Option<f64>,
     /// Keeps finished parts, so that a run that was stopped goes on where it was.
     pub shelf: Shelf,
 }
@@ -119,6 +121,7 @@ impl Setup {
             scene: self.scene.clone().filter(|_| takes(Choice::Scene)),
             session: self.session.clone().filter(|_| takes(Choice::Session)),
             seed: if takes(Choice::Seed) { self.seed } else { 0 },
+            seconds: self.seconds.filter(|_| takes(Choice::Seconds)),
             shelf: self.shelf.clone(),
         }
     }
@@ -155,7 +158,12 @@ pub enum Choice {
     Session,
     /// [`Setup::seed`].
     Seed,
+    /// [`Setup::seconds`].
+    Seconds,
 }
+
+/// What [`Setup::seconds`] may be, s: up to a day.
+pub const SECONDS: std::ops::RangeInclusive<f64> = 1.0..=86_400.0;
 
 /// Why there is no report.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

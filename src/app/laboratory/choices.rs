@@ -2,7 +2,7 @@
 
 use super::Listed;
 use crate::app::state::View;
-use crate::lab::{Choice, Mesh, Scene, Setup, Shelf};
+use crate::lab::{self, Choice, Mesh, Scene, Setup, Shelf};
 use crate::surface::back;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -22,6 +22,8 @@ pub struct Choices {
     pub session: String,
     /// Where chance starts.
     pub seed: String,
+    /// How long to work in real time, s; empty: the experiment's own time.
+    pub seconds: String,
 }
 
 impl Default for Choices {
@@ -33,6 +35,7 @@ impl Default for Choices {
             scene: false,
             session: String::new(),
             seed: "0".to_owned(),
+            seconds: String::new(),
         }
     }
 }
@@ -47,13 +50,17 @@ pub struct Asked {
     scene: Option<Scene>,
     session: Option<PathBuf>,
     seed: u64,
+    seconds: Option<f64>,
 }
 
 impl PartialEq for Asked {
     fn eq(&self, other: &Self) -> bool {
         let mesh = |a: &Self| a.mesh.as_ref().map(|m| (m.name.clone(), m.surface.hash()));
         let scene = |a: &Self| (a.scene.as_ref()).map(|s| (s.name.clone(), s.scenario.clone()));
-        let rest = |a: &Self| (a.quick, a.triangles.clone(), a.session.clone(), a.seed);
+        let rest = |a: &Self| {
+            let sizes = (a.triangles.clone(), a.seconds);
+            (a.quick, sizes, a.session.clone(), a.seed)
+        };
         self.experiment.name() == other.experiment.name()
             && rest(self) == rest(other)
             && mesh(self) == mesh(other)
@@ -76,6 +83,7 @@ impl Asked {
             scene: self.scene.clone(),
             session: self.session.clone(),
             seed: self.seed,
+            seconds: self.seconds,
             shelf: shelf.clone(),
         }
     }
@@ -128,6 +136,10 @@ impl Choices {
                 true => seed(&self.seed)?,
                 false => 0,
             },
+            seconds: match takes(Choice::Seconds) {
+                true => seconds(&self.seconds)?,
+                false => None,
+            },
         })
     }
 }
@@ -163,6 +175,21 @@ fn seed(text: &str) -> Result<u64, String> {
     })
 }
 
+fn seconds(text: &str) -> Result<Option<f64>, String> {
+    let text = text.trim();
+    if text.is_empty() {
+        return Ok(None);
+    }
+    let given = text.parse().ok().filter(|s| lab::SECONDS.contains(s));
+    given.map(Some).ok_or_else(|| {
+        format!(
+            "Seconds: \"{text}\"; {} to {} are allowed",
+            lab::SECONDS.start(),
+            lab::SECONDS.end()
+        )
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -185,6 +212,10 @@ mod tests {
         }
         for bad in ["-1", "1.5", "x", "99999999999999999999"] {
             assert!(seed(bad).expect_err(bad).contains(bad));
+        }
+        assert_eq!((seconds(" 2.5 "), seconds("")), (Ok(Some(2.5)), Ok(None)));
+        for bad in ["0", "-1", "NaN", "inf", "1e9", "x"] {
+            assert!(seconds(bad).expect_err(bad).contains(bad));
         }
     }
 }

@@ -39,7 +39,7 @@ impl Experiment for SessionEndurance {
     }
 
     fn takes(&self) -> &'static [Choice] {
-        &[Choice::Triangles]
+        &[Choice::Triangles, Choice::Seconds]
     }
 
     fn run(&self, setup: &Setup, watch: &mut Watch<'_>) -> Result<Report, LabError> {
@@ -113,7 +113,8 @@ impl Experiment for SessionEndurance {
         }
         report.tables.push(table);
         hours.tell(&mut report);
-        let live_s = if setup.quick { 1.0 } else { 60.0 };
+        let short_s = if setup.quick { 1.0 } else { 60.0 };
+        let slow_s = setup.seconds.unwrap_or(short_s);
         let mut live = Table::new(
             "live",
             "Recorded in real time, a disk that takes 120 ms for each append or not, another thread that never rests",
@@ -126,8 +127,8 @@ impl Experiment for SessionEndurance {
                 "per hour (MB)",
             ],
         );
-        for (i, slow) in [(0.0, false), (1.0, true)] {
-            let mut part = watch.part(0.84 + 0.08 * i, 0.92 + 0.08 * i);
+        for (slow, live_s, from, to) in [(false, short_s, 0.84, 0.86), (true, slow_s, 0.86, 1.0)] {
+            let mut part = watch.part(from, to);
             let header = Long::new(&scenes).header();
             let path = folder.path().join("live.mcap");
             let run = Live::run(&path, header, slow, live_s, &mut part)?;

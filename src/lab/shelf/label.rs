@@ -12,7 +12,7 @@ use std::path::Path;
 pub(super) const FILE: &str = "shelf.json";
 
 /// All that the results of an experiment depend on.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Label {
     experiment: String,
     dorsum: String,
@@ -25,6 +25,7 @@ pub(super) struct Label {
     scene: Option<Named>,
     session: Option<Named>,
     seed: u64,
+    seconds: Option<f64>,
 }
 
 /// Something the user named, and what it holds.
@@ -51,6 +52,7 @@ impl Label {
             scene: setup.scene.as_ref().map(scene),
             session: setup.session.as_deref().map(session).transpose()?,
             seed: setup.seed,
+            seconds: setup.seconds,
         }))
     }
 

@@ -35,6 +35,7 @@ impl Experiment for Counted {
             Choice::Scene,
             Choice::Session,
             Choice::Seed,
+            Choice::Seconds,
         ]
     }
 
@@ -215,6 +216,7 @@ fn any_other_setup_makes_anew_and_what_is_not_taken_does_not_matter() {
         changed(&|s| s.session = None),
         changed(&|s| s.session = Some(other_session.clone())),
         changed(&|s| s.seed = 2),
+        changed(&|s| s.seconds = Some(2.0)),
     ];
     let experiment = Counted::default();
     for (i, setup) in others.iter().enumerate() {

@@ -88,6 +88,16 @@ fn choices_ui(
                 "Where chance starts: the same number gives the same",
             );
         }
+        if takes(Choice::Seconds) {
+            field(
+                ui,
+                "Seconds",
+                &mut choices.seconds,
+                "its own",
+                70.0,
+                "How long to work in real time; empty: the experiment's own time",
+            );
+        }
         if takes(Choice::Session) {
             field(
                 ui,
