@@ -1,18 +1,21 @@
-//! Faults of a run, told by the records themselves: noticed beside the tick, written at their onset.
+//! Faults and pops of a run, told by the records themselves: noticed beside the tick, written at their onset.
 
 use super::format;
+use super::pops::Pops;
 use crate::servo::{FingerRecord, LimitFlags, MAX_FINGERS};
 
 /// Ticks after the onset of a fault in which the same one is not told again.
 const QUIET_TICKS: u64 = 1000;
 
-/// Watches records for devices that stop answering, late ticks and forces that are not finite.
+/// Watches records for devices that stop answering, late ticks, forces that are not finite and fingers that pop.
 #[derive(Debug, Default)]
 pub(super) struct Faults {
     connected: [Option<bool>; MAX_FINGERS],
     late: Watch,
     not_finite: [Watch; MAX_FINGERS],
     lost: [Watch; MAX_FINGERS],
+    pops: Pops,
+    popped: [Watch; MAX_FINGERS],
     /// It was told that the device does not answer.
     away: [bool; MAX_FINGERS],
 }
@@ -75,6 +78,12 @@ impl Faults {
         if let Some(untold) = self.not_finite[finger].rises(not_finite, tick) {
             let text = format!("force of finger {finger} was not finite{}", more(untold));
             tell(format::FAULT, &text)?;
+        }
+        let pop = self.pops.seen(record);
+        if let Some(untold) = self.popped[finger].rises(pop.is_some(), tick)
+            && let Some(text) = pop
+        {
+            tell(format::POP, &format!("{text}{}", more(untold)))?;
         }
         // A tick is late for all fingers: told once.
         if finger == 0

@@ -75,10 +75,11 @@
 //!
 //! # `dorsum.Event`
 //! `tick` (1, uint64), `time_ns` (2, uint64), `kind` (3, string), `text` (4, string). Kinds the recorder writes itself:
-//! `lost` (ticks that never reached it), `restart` (the servo was started anew, or a recording that was held went on; tick numbers go on after a gap). `fault` (a
-//! device stops or begins again to answer, a tick comes later than the watchdog allows, a force was not finite: told at the onset, not
-//! more than once in 1000 ticks, with the number left out). All
-//! others come from the program or the user, such as `mark`. `recovered` stands at the end of a file that was saved from a damaged one.
+//! `lost` (ticks that never reached it), `restart` (the servo was started anew, or a recording that was held went on; tick
+//! numbers go on after a gap), `fault` (a device stops or begins again to answer, a tick comes later than the watchdog allows,
+//! a force was not finite: told at the onset, not more than once in 1000 ticks, with the number left out) and `pop` (a finger
+//! that was pressed in loses the skin without having come out; told as seldom). All others come from the program or the user,
+//! such as `mark`. `recovered` stands at the end of a file that was saved from a damaged one.
 //!
 //! # Edits
 //! An edit is the whole text of the scenario as edited. `dorsum.Edit`: `number` (1, uint32), `tick` (2, uint64) and `time_ns`
@@ -149,6 +150,8 @@ pub const RECOVERED_METADATA: &str = "dorsum.recovered";
 pub const RECOVERED: &str = "recovered";
 /// Kind of the events that tell of a fault.
 pub const FAULT: &str = "fault";
+/// Kind of the events that tell of a pop.
+pub const POP: &str = "pop";
 /// Topic of the events.
 pub const EVENTS_TOPIC: &str = "/events";
 /// Channel of the events.

@@ -22,6 +22,7 @@ pub mod format;
 mod header;
 mod index;
 mod playback;
+mod pops;
 pub mod reader;
 pub mod recorder;
 pub mod replay;

@@ -261,7 +261,7 @@ fn words(event: &RecordedEvent) -> String {
 fn colour(event: &RecordedEvent, theme: &crate::app::theme::Theme) -> egui::Color32 {
     match event.kind.as_str() {
         "mark" => theme.accent,
-        "lost" | "fault" => theme.warning,
+        "lost" | "fault" | "pop" => theme.warning,
         _ => theme.weak_text,
     }
 }
