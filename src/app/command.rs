@@ -4,6 +4,7 @@
 //! travels: an action or a wish that carries a value.
 
 use super::bench::Wish;
+use super::hardware::DeviceWish;
 use super::messages::Level;
 use super::state::{Alignment, Compared};
 use egui::{Key, KeyboardShortcut, Modifiers};
@@ -37,6 +38,8 @@ pub enum Command {
     CancelBuild,
     /// Switch force output on or off.
     EnableForce(bool),
+    /// Ask something of a device.
+    Device(DeviceWish),
     /// Open a recording.
     OpenRecording(PathBuf),
     /// Copy a recording to another place.

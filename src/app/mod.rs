@@ -26,6 +26,7 @@ pub mod command;
 mod dialogs;
 pub mod dock;
 pub mod editor;
+pub mod hardware;
 pub mod history;
 pub mod laboratory;
 mod launch;

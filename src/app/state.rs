@@ -1,5 +1,6 @@
 //! What panels may read: one plain value per frame.
 
+use super::hardware::Hardware;
 use super::history::History;
 use super::messages::Message;
 use super::roles::Role;
@@ -61,6 +62,8 @@ pub struct View {
     pub hands: Vec<MouseHandle>,
     /// Names of the devices, one per finger.
     pub devices: Vec<String>,
+    /// What is attached, and what moves each finger.
+    pub hardware: Arc<Hardware>,
     /// Whether devices may render force; off after an emergency stop.
     pub force_enabled: bool,
     /// What the workbench had to say, oldest first.
@@ -103,6 +106,7 @@ impl Default for View {
             history: Arc::default(),
             hands: Vec::new(),
             devices: Vec::new(),
+            hardware: Arc::default(),
             force_enabled: true,
             messages: Arc::default(),
             role: Role::default(),

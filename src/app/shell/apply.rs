@@ -24,6 +24,7 @@ impl Workbench {
             }
             Command::CancelBuild => shared.bench().cancel_build(),
             Command::EnableForce(on) => shared.bench().enable_force(on),
+            Command::Device(wish) => shared.bench().device(wish),
             Command::OpenRecording(path) => shared.bench().open_recording(path),
             Command::CopyRecording { from, to } => shared.bench().copy_recording(&from, &to),
             Command::RecoverRecording(path) => shared.bench().recover_recording(path),
