@@ -10,9 +10,12 @@ pub mod hid;
 pub mod mapped;
 pub mod mouse;
 pub mod null;
+pub mod place;
 pub mod plug;
+pub mod push;
 pub mod replay;
 pub mod scripted;
+pub mod seat;
 pub mod stable;
 pub mod vendor;
 

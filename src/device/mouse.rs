@@ -3,13 +3,9 @@
 //! The window says where the finger is wanted; a hand of some mass follows through a spring and a damper, and is pushed
 //! back by the force the skin sends. So motion and force are a finger's, not the teleports of a cursor.
 
+use super::place::{FAR_MM, Place};
 use super::{Capabilities, Device, Reading};
 use crate::geom::Vec3;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
-
-/// Farthest place that a finger is sent to, mm.
-const FAR_MM: f64 = 1.0e7;
 
 /// The hand. Unforced it is critically damped.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,60 +75,25 @@ impl Default for Hand {
 }
 
 /// Where the window wants a mouse finger to be. Cheap to clone; any thread may set it, the servo reads the newest.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct MouseHandle {
-    shared: Arc<Shared>,
-}
-
-#[derive(Debug, Default)]
-struct Shared {
-    /// Even when the words are whole, odd while they are being written.
-    version: AtomicU64,
-    words: [AtomicU64; 3],
+    shared: Place,
 }
 
 impl MouseHandle {
-    /// Says where the finger is wanted, mm. A place that is not finite is ignored, one beyond 10 km brought back to there.
+    /// Says where the finger is wanted, mm, as [`Place::set`] does.
     pub fn set(&self, target_mm: Vec3) {
-        if !target_mm.is_finite() {
-            return;
-        }
-        let target_mm = target_mm.clamp(Vec3::splat(-FAR_MM), Vec3::splat(FAR_MM));
-        let s = &self.shared;
-        // One writer at a time: take the odd version or wait for the other window thread, which holds it for nanoseconds.
-        let version = loop {
-            let v = s.version.load(Ordering::Relaxed) & !1;
-            if s.version
-                .compare_exchange(v, v + 1, Ordering::Acquire, Ordering::Relaxed)
-                .is_ok()
-            {
-                break v;
-            }
-            std::hint::spin_loop();
-        };
-        for (word, x) in s.words.iter().zip(target_mm.to_array()) {
-            word.store(x.to_bits(), Ordering::SeqCst);
-        }
-        s.version.store(version + 2, Ordering::Release);
+        self.shared.set(target_mm);
     }
 
     /// The last place set, mm.
     pub fn target_mm(&self) -> Vec3 {
-        loop {
-            if let Some(target) = self.try_target() {
-                return target;
-            }
-            std::hint::spin_loop();
-        }
+        self.shared.get()
     }
 
     /// The last place set, or `None` while another thread is writing it.
     fn try_target(&self) -> Option<Vec3> {
-        let s = &self.shared;
-        let before = s.version.load(Ordering::Acquire);
-        let words = [0, 1, 2].map(|i| f64::from_bits(s.words[i].load(Ordering::SeqCst)));
-        let after = s.version.load(Ordering::SeqCst);
-        (before == after && before & 1 == 0).then(|| Vec3::from_array(words))
+        self.shared.try_get()
     }
 }
 
@@ -158,7 +119,7 @@ impl Mouse {
             Vec3::ZERO
         };
         let handle = MouseHandle {
-            shared: Arc::default(),
+            shared: Place::default(),
         };
         handle.set(start_mm);
         let capabilities = Capabilities::ideal("Mouse", 22.0);

@@ -1,6 +1,7 @@
 //! The thread that calls the tick, and the loop that does without one.
 
 use super::halt::{Running, halted};
+use super::limiter::Limits;
 use super::record::{FingerRecord, TickInput, TickRecord};
 use super::tick::{Rig, tick};
 use super::timing::{Health, TimingStats};
@@ -62,6 +63,9 @@ pub enum Command {
     /// Use another device for a finger; the old one is closed and comes back through [`Lines::retired`]. Ignored (and
     /// handed back) for a finger that there is not.
     SetDevice(usize, Box<dyn Device>),
+    /// Bound the force on a finger otherwise; ignored for a finger that there is not. Not while its ticks are recorded: a
+    /// recording says at its beginning what bounds it has.
+    SetLimits(usize, Limits),
     /// Switch force output on or off (emergency stop): the tick sends zero, and every device is told ([`Device::enable`]).
     EnableForce(bool),
     /// Start the timing statistics anew.
@@ -470,6 +474,11 @@ impl Loop {
                         self.place_anew[finger] = true;
                     }
                     let _ = self.retired.push(Retired::Device(device));
+                }
+                Command::SetLimits(finger, limits) => {
+                    if let Some(slot) = self.rig.limits.get_mut(finger) {
+                        *slot = limits;
+                    }
                 }
                 Command::EnableForce(on) => {
                     // Off is said again: whoever presses the emergency stop twice means it.

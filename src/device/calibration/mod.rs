@@ -12,7 +12,7 @@ use glam::DMat3;
 
 pub use file::CalibrationError;
 pub use mechanics::Mechanics;
-pub use store::{file_name, load, save};
+pub use store::{file_name, load, save, usual_folder};
 
 /// Version of the file format that this program reads.
 pub const FORMAT: i64 = 1;

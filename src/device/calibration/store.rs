@@ -7,6 +7,14 @@ use std::path::{Path, PathBuf};
 /// Largest file that is read, bytes.
 const MOST_BYTES: u64 = 1 << 20;
 
+/// The user's folder of device files; the working directory's `devices` where the system has none.
+pub fn usual_folder() -> PathBuf {
+    directories::ProjectDirs::from("", "", "dorsum").map_or_else(
+        || PathBuf::from("devices"),
+        |dirs| dirs.config_dir().join("devices"),
+    )
+}
+
 /// Name of the file of a device: family and serial number, or the family alone. Characters that no file system minds stay,
 /// others become `_`, and what was changed that way is told apart by a sum of the serial number.
 pub fn file_name(family: &str, serial: Option<&str>) -> String {
