@@ -4,6 +4,7 @@ use super::bench::Source;
 use super::roles::Role;
 use super::shell::{Start, Workbench};
 use crate::scenario;
+use crate::servo::{Halt, halt, halted};
 use std::path::PathBuf;
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
@@ -40,6 +41,8 @@ pub struct Options {
     pub look: Vec<String>,
     /// The experiment that the Lab panel shows, by its name; `None` takes the one shown last.
     pub experiment: Option<String>,
+    /// A simulated device that is attached: key of its family, and of what goes wrong with it.
+    pub emulator: Option<(&'static str, Option<&'static str>)>,
     /// Size of the window, points.
     pub size: (u16, u16),
 }
@@ -70,6 +73,7 @@ impl Default for Options {
             colour: None,
             look: Vec::new(),
             experiment: None,
+            emulator: None,
             size: (1280, 800),
         }
     }
@@ -139,6 +143,10 @@ pub fn run(options: Options) -> Result<(), String> {
             let workbench = Workbench::new(cc, start);
             if options.press {
                 workbench.shared().bench().press();
+            }
+            workbench.shared().bench().watch_devices();
+            if let Some((family, fault)) = options.emulator {
+                workbench.shared().bench().emulate(family, fault);
             }
             Ok(Box::new(Errand {
                 workbench,
@@ -231,6 +239,10 @@ impl eframe::App for Errand {
             self.time_first_frame(ctx);
         }
         self.take_picture(ctx);
+        // After a panic elsewhere the window stays and says so.
+        if halted().is_some_and(|halt| halt != Halt::Panicked) {
+            ctx.send_viewport_cmd_to(egui::ViewportId::ROOT, egui::ViewportCommand::Close);
+        }
         self.workbench.logic(ctx, frame);
     }
 
@@ -243,6 +255,8 @@ impl eframe::App for Errand {
     }
 
     fn on_exit(&mut self, gl: Option<&eframe::glow::Context>) {
+        // No force while the recording is being finished.
+        halt(Halt::Closed);
         self.workbench.on_exit(gl);
     }
 

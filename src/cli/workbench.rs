@@ -53,6 +53,12 @@ pub struct WorkbenchArgs {
     /// The experiment that the Lab panel shows; otherwise as chosen last.
     #[arg(long, value_name = "NAME")]
     experiment: Option<String>,
+    /// Attach a simulated device of this family, in a simulated hand: woodenhaptics, polhem or polhem-teensy.
+    #[arg(long, value_name = "FAMILY")]
+    emulator: Option<String>,
+    /// What goes wrong with it once it is pressed: unplugged, frozen, silent, jump, short, slow, reversed.
+    #[arg(long, value_name = "FAULT", requires = "emulator")]
+    fault: Option<String>,
     /// A recording to replay at once.
     #[arg(long, value_name = "FILE.mcap")]
     recording: Option<PathBuf>,
@@ -162,8 +168,40 @@ fn options(args: &WorkbenchArgs) -> Result<crate::app::Options, CliError> {
         experiment: args.experiment.clone(),
         size: args.size,
         recording: args.recording.clone(),
+        emulator: emulator(args)?,
         ..Options::default()
     })
+}
+
+/// The simulated device that is asked for: its family, and what goes wrong with it.
+#[cfg(all(feature = "gui", target_os = "linux"))]
+fn emulator(
+    args: &WorkbenchArgs,
+) -> Result<Option<(&'static str, Option<&'static str>)>, CliError> {
+    use crate::device::Family as _;
+    use crate::device::hid::emulator::{Fault, process::family};
+    let Some(key) = &args.emulator else {
+        return Ok(None);
+    };
+    let arms = family(key).map_err(CliError::input)?;
+    let fault = match &args.fault {
+        None => None,
+        Some(name) => Some(Fault::by_key(name).ok_or_else(|| {
+            let names = Fault::ALL.map(Fault::key).join(", ");
+            CliError::input(format_args!("--fault \"{name}\"; allowed are {names}"))
+        })?),
+    };
+    Ok(Some((arms.key(), fault.map(Fault::key))))
+}
+
+#[cfg(all(feature = "gui", not(target_os = "linux")))]
+fn emulator(
+    args: &WorkbenchArgs,
+) -> Result<Option<(&'static str, Option<&'static str>)>, CliError> {
+    match &args.emulator {
+        None => Ok(None),
+        Some(_) => Err(CliError::input("emulated devices need Linux")),
+    }
 }
 
 /// How the Back view shows the body, in its own words.

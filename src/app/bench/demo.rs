@@ -23,12 +23,17 @@ pub struct Demo {
 
 impl Demo {
     /// Moves the hands on by `dt_s`.
-    pub fn advance(&mut self, dt_s: f64, scene: &Scene, hands: &[MouseHandle]) {
+    pub fn advance<'a>(
+        &mut self,
+        dt_s: f64,
+        scene: &Scene,
+        hands: impl Iterator<Item = &'a MouseHandle>,
+    ) {
         if self.places.is_empty() {
             self.places = PLACES.map(|p| place(scene, p)).to_vec();
         }
         self.time_s += dt_s;
-        for (i, (hand, (point, normal))) in hands.iter().zip(&self.places).enumerate() {
+        for (i, (hand, (point, normal))) in hands.zip(&self.places).enumerate() {
             let way = (self.time_s / APPROACH_S).min(1.0);
             let swing = 0.15 * libm::sin(3.0 * (self.time_s - APPROACH_S).max(0.0));
             let depth = -HEIGHT_MM + way * (HEIGHT_MM + DEPTHS_MM[i % 2] * (1.0 + swing));

@@ -1,9 +1,10 @@
-//! The running servo with its mouse fingers, and the near ends of its lines.
+//! The running servo with its fingers, and the near ends of its lines.
 
 use crate::app::history::History;
 use crate::contact::TouchScene;
 use crate::device::Device;
 use crate::device::mouse::{Hand, Mouse, MouseHandle};
+use crate::device::place::Place;
 use crate::geom::Vec3;
 use crate::scenario::Scene;
 use crate::servo::{
@@ -21,7 +22,39 @@ const CLEARANCE_MM: f64 = 40.0;
 /// And this far to the left and right of the middle, mm.
 const APART_MM: f64 = 60.0;
 
-/// The servo, felt through mouse fingers.
+/// What moves a finger.
+enum Mover {
+    Mouse(MouseHandle),
+    /// A device, seated over the skin; `None` where it is seated by its device file.
+    Device(Option<Seat>),
+}
+
+/// Where a device sits.
+pub struct Seat {
+    /// The middle of its workspace, mm.
+    pub place: Place,
+    /// How far above the skin that is, mm.
+    pub above_mm: f64,
+}
+
+impl Seat {
+    /// Sits over `scene`.
+    pub fn over(&self, scene: &Scene, finger: usize) {
+        let rest = rest_mm(scene, finger);
+        let skin_mm = scene.height_mm(rest.x, rest.y).unwrap_or(rest.z);
+        self.place
+            .set(Vec3::new(rest.x, rest.y, skin_mm + self.above_mm));
+    }
+}
+
+/// One finger.
+struct Finger {
+    mover: Mover,
+    name: String,
+    limits: Limits,
+}
+
+/// The servo, felt through fingers that the mouse or devices move.
 pub struct Live {
     servo: Servo,
     newest: triple_buffer::Output<Snapshot>,
@@ -31,9 +64,7 @@ pub struct Live {
     history: Arc<Mutex<History>>,
     plotted: Arc<AtomicBool>,
     felt: Felt,
-    hands: Vec<MouseHandle>,
-    names: Vec<String>,
-    limits: Limits,
+    fingers: Vec<Finger>,
     config: ServoConfig,
     snapshot: Snapshot,
     /// Commands that found the line full, to be sent again.
@@ -50,6 +81,17 @@ fn rest_mm(scene: &Scene, finger: usize) -> Vec3 {
         middle.y,
         bounds.max.z + CLEARANCE_MM,
     )
+}
+
+/// A finger of the mouse, at rest.
+fn by_mouse(scene: &Scene, finger: usize) -> (Mouse, Finger) {
+    let (mouse, hand) = Mouse::new(rest_mm(scene, finger), Hand::default());
+    let finger = Finger {
+        name: mouse.capabilities().name.clone(),
+        mover: Mover::Mouse(hand),
+        limits: Limits::default(),
+    };
+    (mouse, finger)
 }
 
 /// Most records that wait for a plot that is being drawn: half a minute of two fingers.
@@ -95,17 +137,15 @@ impl Live {
     /// # Errors
     /// When the system refuses another thread.
     pub fn start(scene: &Scene, force_enabled: bool) -> std::io::Result<Self> {
-        let limits = Limits::default();
         let mut devices: Vec<Box<dyn Device>> = Vec::new();
-        let mut hands = Vec::new();
-        let mut names = Vec::new();
+        let mut fingers = Vec::new();
         for finger in 0..FINGERS {
-            let (mouse, hand) = Mouse::new(rest_mm(scene, finger), Hand::default());
-            names.push(mouse.capabilities().name.clone());
+            let (mouse, moved) = by_mouse(scene, finger);
             devices.push(Box::new(mouse));
-            hands.push(hand);
+            fingers.push(moved);
         }
-        let rig = Rig::new(Box::new(scene.touch.clone()), [limits; MAX_FINGERS]);
+        let limits = [Limits::default(); MAX_FINGERS];
+        let rig = Rig::new(Box::new(scene.touch.clone()), limits);
         let config = ServoConfig {
             force_enabled,
             ..ServoConfig::default()
@@ -131,9 +171,7 @@ impl Live {
             history,
             plotted,
             felt,
-            hands,
-            names,
-            limits,
+            fingers,
             config,
             snapshot: Snapshot::default(),
             waiting: Vec::new(),
@@ -142,11 +180,70 @@ impl Live {
 
     /// Hands another scene to the servo and puts the fingers to rest over it.
     pub fn set_scene(&mut self, scene: &Scene) {
-        for (finger, hand) in self.hands.iter().enumerate() {
-            hand.set(rest_mm(scene, finger));
+        for (i, finger) in self.fingers.iter().enumerate() {
+            match &finger.mover {
+                Mover::Mouse(hand) => hand.set(rest_mm(scene, i)),
+                Mover::Device(Some(seat)) => seat.over(scene, i),
+                Mover::Device(None) => {}
+            }
         }
         let touch: Box<TouchScene> = Box::new(scene.touch.clone());
         self.send(servo::Command::SetScene(touch));
+    }
+
+    /// Has a finger moved by a device from now on; `limits` bound its force.
+    pub fn use_device(
+        &mut self,
+        finger: usize,
+        device: Box<dyn Device>,
+        seat: Option<Seat>,
+        limits: Limits,
+    ) {
+        let Some(slot) = self.fingers.get_mut(finger) else {
+            return;
+        };
+        *slot = Finger {
+            mover: Mover::Device(seat),
+            name: device.capabilities().name.clone(),
+            limits,
+        };
+        // Bounds before the device: it is never bounded by those of another.
+        self.send(servo::Command::SetLimits(finger, limits));
+        self.send(servo::Command::SetDevice(finger, device));
+    }
+
+    /// Has a finger moved by the mouse from now on, at rest over `scene`.
+    pub fn use_mouse(&mut self, finger: usize, scene: &Scene) {
+        let Some(slot) = self.fingers.get_mut(finger) else {
+            return;
+        };
+        let (mouse, moved) = by_mouse(scene, finger);
+        let limits = moved.limits;
+        *slot = moved;
+        self.send(servo::Command::SetDevice(finger, Box::new(mouse)));
+        self.send(servo::Command::SetLimits(finger, limits));
+    }
+
+    /// Bounds the force on a finger otherwise.
+    pub fn set_limits(&mut self, finger: usize, limits: Limits) {
+        let changed = self.fingers.get_mut(finger).filter(|f| f.limits != limits);
+        if let Some(slot) = changed {
+            slot.limits = limits;
+            self.send(servo::Command::SetLimits(finger, limits));
+        }
+    }
+
+    /// Has the device of a finger sit so that it is now where it rests over `scene`.
+    pub fn recentre(&mut self, finger: usize, scene: &Scene) {
+        let Some(Mover::Device(Some(seat))) = self.fingers.get(finger).map(|f| &f.mover) else {
+            return;
+        };
+        let shown = self.snapshot.record.fingers().get(finger);
+        if let Some(reading) = shown.map(|r| r.reading).filter(|r| r.is_usable()) {
+            let moved_mm = reading.position_mm - seat.place.get();
+            seat.over(scene, finger);
+            seat.place.set(seat.place.get() - moved_mm);
+        }
     }
 
     /// Lets the servo go over to an edit of the scene; the fingers stay where they are.
@@ -231,19 +328,17 @@ impl Live {
         felt.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
-    /// What moves the fingers.
-    pub fn hands(&self) -> &[MouseHandle] {
-        &self.hands
+    /// What moves those fingers that the mouse moves.
+    pub fn hands(&self) -> impl Iterator<Item = &MouseHandle> {
+        self.fingers.iter().filter_map(|f| match &f.mover {
+            Mover::Mouse(hand) => Some(hand),
+            Mover::Device(_) => None,
+        })
     }
 
-    /// Names of the devices.
-    pub fn names(&self) -> &[String] {
-        &self.names
-    }
-
-    /// Bounds on the force.
-    pub fn limits(&self) -> Limits {
-        self.limits
+    /// Names of the devices and bounds on their force, finger by finger.
+    pub fn devices(&self) -> impl Iterator<Item = (&str, &Limits)> {
+        self.fingers.iter().map(|f| (f.name.as_str(), &f.limits))
     }
 
     /// Memory of the ring and of what drains it, bytes.

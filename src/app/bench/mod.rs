@@ -5,6 +5,7 @@
 mod blind;
 mod builder;
 mod demo;
+mod devices;
 mod document;
 mod edit;
 mod exercise;
@@ -29,6 +30,7 @@ use crate::servo::{Fault, FingerRecord, Health, Snapshot};
 use crate::session::RecorderState;
 use builder::{Build, Built};
 use demo::Demo;
+use devices::Devices;
 use document::{Document, Saving};
 use edit::Edits;
 use exercise::Exercising;
@@ -108,6 +110,7 @@ pub struct Bench {
     document: Document,
     saving: Option<Saving>,
     live: Option<Live>,
+    devices: Devices,
     /// Shown until there is a servo.
     no_history: Arc<Mutex<History>>,
     recordings: Recordings,
@@ -151,6 +154,7 @@ impl Bench {
             document: Document::default(),
             saving: None,
             live: None,
+            devices: Devices::default(),
             no_history: Arc::default(),
             recordings: Recordings::new(folder),
             failure: None,
@@ -262,6 +266,8 @@ impl Bench {
         changed |= self.poll_rewriting();
         changed |= self.poll_saving();
         changed |= self.poll_live();
+        changed |= self.poll_devices();
+        changed |= self.poll_halt();
         changed |= self.poll_edits();
         changed |= self.poll_exercise();
         changed |= self.poll_sheet();
@@ -394,7 +400,9 @@ impl Bench {
                 Some(Fault::Panicked) => "A device failed and was closed. Force is zero",
                 None => "A device does not answer. Force is zero",
             };
-            self.tell(Level::Error, text);
+            if live.fault().is_some() || !self.devices.tell_themselves() {
+                self.tell(Level::Error, text);
+            }
         }
         something_happens(&before, &after)
     }
@@ -764,8 +772,8 @@ impl Bench {
                 view.live = *live.snapshot();
                 view.fingers = view.live.record.fingers().to_vec();
                 view.history = live.history().clone();
-                view.hands = live.hands().to_vec();
-                view.devices = live.names().to_vec();
+                view.hands = live.hands().cloned().collect();
+                view.devices = live.devices().map(|(name, _)| name.to_owned()).collect();
                 view.ring_bytes = live.ring_bytes();
             }
             None => {
@@ -777,6 +785,7 @@ impl Bench {
                 view.ring_bytes = 0;
             }
         }
+        view.hardware = Arc::new(self.hardware());
         view.playback = self.replay.as_ref().map(Replay::status);
         if let Some(replay) = &self.replay {
             view.fingers = replay.fingers();

@@ -297,15 +297,13 @@ fn begin(
 
 /// What a recording of `scene` on `live` says about itself; `felt` is the newest edit that is wholly felt.
 pub fn header(scene: &Scene, live: &Live, felt: &EditText) -> Header {
-    let limits = live.limits();
     Header {
         scenario_toml: felt.1.to_string(),
         scenario_name: scene.scenario.name.clone(),
         mesh: MeshSource::new(&scene.surface, &scene.mesh_origin),
         devices: live
-            .names()
-            .iter()
-            .map(|name| DeviceInfo::new(name, &limits))
+            .devices()
+            .map(|(name, limits)| DeviceInfo::new(name, limits))
             .collect(),
         rate_hz: live.rate_hz(),
         build: session::build_id(),

@@ -82,7 +82,7 @@ impl Shared {
         view.parts = chrome.parts.clone();
         view.study = chrome.study.clone();
         view.purpose = Use {
-            fingers: view.hands.len(),
+            fingers: view.devices.len(),
             live: view.ring_bytes > 0,
             drawn: chrome.drawn,
             deformed: chrome.drawn,
@@ -101,7 +101,7 @@ impl Shared {
             browsed: view.parts.has(Item::SessionPictures),
             ghosts: !view.ghosts.is_empty(),
             compared: view.parts.has(Item::Comparison),
-            passivity: false,
+            passivity: view.hardware.fingers.iter().any(|f| f.limits.passivity),
         };
         report_ghosts(&view);
         view
