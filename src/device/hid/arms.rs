@@ -76,7 +76,7 @@ impl Arms {
         };
         let capabilities = self.capabilities(calibration);
         let driver = ArmDriver::new(self.protocol, arm, calibration.gravity);
-        let linked = Linked::start(capabilities, port, Box::new(driver), calibration.guards)?;
+        let linked = Linked::start(capabilities, port, Box::new(driver), calibration)?;
         Ok(Mapped::new(linked, calibration.mapping))
     }
 }

@@ -13,7 +13,7 @@ pub struct Trial {
     pub seconds: f64,
     /// Ticks in a second.
     pub rate_hz: f64,
-    /// Stiffness of a plane of skin through the middle of the workspace, N/mm; 0: no force at all, nothing moves.
+    /// Stiffness of a plane of skin through the middle of the workspace, N/mm; 0: force stays off, nothing moves.
     pub skin_n_per_mm: f64,
 }
 
@@ -79,6 +79,7 @@ pub fn run(
 ) -> Checked {
     let period = Duration::from_secs_f64(1.0 / trial.rate_hz.clamp(100.0, 10_000.0));
     let rated_n = device.capabilities().rated_force_n;
+    device.enable(trial.skin_n_per_mm > 0.0);
     let started = Instant::now();
     let mut due = started;
     let (mut ticks, mut without, mut heard) = (0, 0, false);

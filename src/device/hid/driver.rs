@@ -51,6 +51,8 @@ pub struct ArmDriver {
     protocol: Protocol,
     arm: Arm,
     gravity: Option<Gravity>,
+    /// Share of its weight that is held up.
+    held: f64,
     /// Counts beyond what 16 bits hold.
     encoders: [i32; 3],
     last: Option<[i16; 3]>,
@@ -65,6 +67,7 @@ impl ArmDriver {
             protocol,
             arm,
             gravity,
+            held: 1.0,
             encoders: [0; 3],
             last: None,
             seen: Seen::default(),
@@ -113,6 +116,10 @@ impl Driver for ArmDriver {
         self.seen
     }
 
+    fn hold(&mut self, share: f64) {
+        self.held = share;
+    }
+
     fn render(&mut self, force_n: Option<Vec3>, out: &mut [u8; REPORT]) -> (usize, [i32; 3]) {
         let mut currents_a = [0.0; 3];
         if let (Some(force_n), Some(_)) = (force_n, self.last) {
@@ -120,7 +127,7 @@ impl Driver for ArmDriver {
             let mut torques = self.arm.torques_n_mm(angles, force_n);
             if let Some(gravity) = &self.gravity {
                 let held = gravity.torques_n_mm(&self.arm, angles);
-                torques = std::array::from_fn(|i| torques[i] + held[i]);
+                torques = std::array::from_fn(|i| torques[i] + held[i] * self.held);
             }
             currents_a = self.arm.currents_a(torques).a;
         }
@@ -181,5 +188,22 @@ mod tests {
         d.gravity = Some(ARMS[0].gravity);
         assert_ne!(d.render(Some(Vec3::ZERO), &mut out).1, [0; 3]);
         assert_eq!(d.render(None, &mut out).1, [0; 3]);
+    }
+
+    #[test]
+    fn weight_is_held_up_by_the_share_that_is_wanted() {
+        let mut out = [0; REPORT];
+        let mut d = driver();
+        d.gravity = Some(ARMS[0].gravity);
+        assert!(d.take(&report([0, 1000, 6000])));
+        let mut held = |share| {
+            d.hold(share);
+            d.render(Some(Vec3::ZERO), &mut out).1
+        };
+        let (none, half, whole) = (held(0.0), held(0.5), held(1.0));
+        assert_eq!(none, [0; 3]);
+        for i in 0..3 {
+            assert!((2 * half[i] - whole[i]).abs() <= 2, "{half:?} {whole:?}");
+        }
     }
 }

@@ -6,15 +6,18 @@
 //! ```
 //!
 //! The servo never waits for the wire, and the wire never for the servo: each takes the newest the other has left. Force
-//! flows only while the guard finds the device good and the servo has given a force lately; everything else is zero.
+//! flows only while it is switched on, the guard finds the device good and the servo has given a force lately ([`Output`]);
+//! everything else is zero.
 
 use super::guard::{Condition, Guard, Sighting};
+use super::output::{Asked, Output};
 use super::transport::{Gone, Port, REPORT};
 use super::velocity::{Clock, Window};
 use super::vitals::Vitals;
-use crate::device::calibration::Guards;
+use crate::device::Calibration;
 use crate::device::{Capabilities, Device, DeviceError, Reading};
 use crate::geom::Vec3;
+use crate::units::MS_PER_S;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -45,6 +48,9 @@ pub trait Driver: Send {
     /// Writes the report that renders a force, N, in the device's frame; `None`: no current at all, whatever else the motors
     /// would do. How many bytes, 0 for a device that takes none, and the currents, mA.
     fn render(&mut self, force_n: Option<Vec3>, out: &mut [u8; REPORT]) -> (usize, [i32; 3]);
+
+    /// How much of what the motors do besides rendering is wanted from now on, 0 … 1: gravity compensation.
+    fn hold(&mut self, _share: f64) {}
 
     /// Writes what is said on opening (`true`) and on closing; how many bytes, 0 for nothing.
     fn greet(&mut self, _opening: bool, _out: &mut [u8; REPORT]) -> usize {
@@ -79,6 +85,8 @@ struct Order {
     time_s: f64,
     /// The reading that it answers.
     answers: u64,
+    /// Force output is switched on.
+    on: bool,
     force_n: Vec3,
 }
 
@@ -110,7 +118,8 @@ pub struct Linked {
 }
 
 impl Linked {
-    /// Speaks with the device at `port` through `driver` on a thread of its own.
+    /// Speaks with the device at `port` through `driver` on a thread of its own. Its force is off until it is switched on
+    /// ([`Device::enable`]).
     ///
     /// # Errors
     /// The system refuses another thread.
@@ -118,8 +127,10 @@ impl Linked {
         capabilities: Capabilities,
         port: Box<dyn Port>,
         driver: Box<dyn Driver>,
-        guards: Guards,
+        calibration: &Calibration,
     ) -> Result<Self, DeviceError> {
+        let guards = calibration.guards;
+        let damping = calibration.mechanics.virtual_damping_n_s_per_mm;
         let (heard_in, heard) = triple_buffer::triple_buffer(&Heard::default());
         let (orders, orders_out) = triple_buffer::triple_buffer(&Order::default());
         let shared = Arc::new(Shared {
@@ -138,8 +149,8 @@ impl Linked {
             clock: Clock::new(capabilities.report_rate_hz),
             heard: heard_in,
             orders: orders_out,
-            rated_force_n,
-            command_timeout_s: guards.command_timeout_ms / 1000.0,
+            output: Output::new(rated_force_n, guards.command_timeout_ms / MS_PER_S, damping),
+            on: false,
             last: Heard::default(),
             last_counter: None,
             answered: 0,
@@ -156,7 +167,7 @@ impl Linked {
             heard,
             orders,
             order: Order::default(),
-            silence_s: guards.silence_ms / 1000.0,
+            silence_s: guards.silence_ms / MS_PER_S,
             periodic,
             shared,
             thread: Some(thread),
@@ -193,14 +204,19 @@ impl Device for Linked {
         self.order = Order {
             number: self.order.number + 1,
             time_s: self.shared.now_s(),
-            answers: self.order.answers,
             force_n,
+            ..self.order
         };
         self.orders.write(self.order);
     }
 
-    fn close(&mut self) {
+    fn enable(&mut self, on: bool) {
+        self.order.on = on;
         self.write(Vec3::ZERO);
+    }
+
+    fn close(&mut self) {
+        self.enable(false);
         self.shared.stop.store(true, Ordering::Release);
         let until = Instant::now() + CLOSING;
         while !self.shared.ended.load(Ordering::Acquire) && Instant::now() < until {
@@ -235,8 +251,9 @@ struct Talk {
     clock: Clock,
     heard: triple_buffer::Input<Heard>,
     orders: triple_buffer::Output<Order>,
-    rated_force_n: f64,
-    command_timeout_s: f64,
+    output: Output,
+    /// Whether the device was told that force is on.
+    on: bool,
     last: Heard,
     last_counter: Option<u16>,
     /// Newest reading whose answer was timed.
@@ -356,16 +373,34 @@ impl Talk {
     fn speak(&mut self, shared: &Shared, out: &mut [u8; REPORT]) -> Result<(), Gone> {
         let order = *self.orders.read();
         let now_s = shared.now_s();
-        let fresh = order.number > 0 && now_s - order.time_s <= self.command_timeout_s;
-        let force_n = (fresh && self.guard.may_push() && order.force_n.is_finite())
-            .then(|| order.force_n.clamp_length_max(self.rated_force_n.max(0.0)))
-            .filter(|f| f.is_finite());
-        let (n, current_ma) = self.driver.render(force_n, out);
-        self.sent_n = force_n.unwrap_or(Vec3::ZERO);
+        let asked = Asked {
+            on: order.on,
+            age_s: if order.number > 0 {
+                now_s - order.time_s
+            } else {
+                f64::INFINITY
+            },
+            force_n: order.force_n,
+        };
+        let velocity_mm_s = self.last.reading.velocity_mm_s;
+        let sent = (self.output).at(now_s, &asked, self.guard.may_push(), velocity_mm_s);
+        self.driver.hold(sent.map_or(0.0, |s| s.share));
+        let (n, current_ma) = self.driver.render(sent.map(|s| s.force_n), out);
+        self.sent_n = sent.map_or(Vec3::ZERO, |s| s.force_n);
+        // On before the first force, off after the last.
+        if order.on && !self.on {
+            self.port.enable(true)?;
+        }
+        if n > 0 {
+            self.port.write(&out[..n])?;
+        }
+        if self.on && !order.on {
+            self.port.enable(false)?;
+        }
+        self.on = order.on;
         if n == 0 {
             return Ok(());
         }
-        self.port.write(&out[..n])?;
         shared.vitals.count_written(current_ma);
         if order.answers > self.answered {
             self.answered = order.answers;

@@ -26,6 +26,7 @@ pub mod emulator;
 pub mod guard;
 pub mod link;
 pub mod models;
+pub mod output;
 pub mod report;
 pub mod spacemouse;
 pub mod transport;

@@ -86,9 +86,8 @@ impl SpaceMouse {
     pub fn start(port: Box<dyn Port>, calibration: &Calibration) -> Result<Self, DeviceError> {
         let capabilities = FAMILY.capabilities(calibration);
         let rate = calibration.rate.unwrap_or_default();
-        let guards = calibration.guards;
         Ok(Self {
-            link: Linked::start(capabilities, port, Box::new(Cap::default()), guards)?,
+            link: Linked::start(capabilities, port, Box::new(Cap::default()), calibration)?,
             rate,
             position_mm: Vec3::ZERO,
         })

@@ -23,6 +23,14 @@ pub trait Port: Send {
     /// # Errors
     /// The device is gone.
     fn write(&mut self, report: &[u8]) -> Result<(), Gone>;
+
+    /// Switches the force of a device that has a switch of its own, which is off when the port is opened.
+    ///
+    /// # Errors
+    /// The device is gone.
+    fn enable(&mut self, _on: bool) -> Result<(), Gone> {
+        Ok(())
+    }
 }
 
 /// A device reached through the system's HID.

@@ -106,7 +106,8 @@ impl DhdPort {
             if id < 0 {
                 return Err(dhd.error("the device does not open"));
             }
-            if (dhd.enable_force)(1, id) < 0 {
+            // Off until the servo switches it on; what refuses this takes no force either.
+            if (dhd.enable_force)(0, id) < 0 {
                 let error = dhd.error("the device takes no force");
                 (dhd.close)(id);
                 return Err(error);
@@ -155,6 +156,12 @@ impl Port for DhdPort {
         let f = force_n(report);
         // SAFETY: plain numbers, and an id that the library gave.
         let answer = unsafe { (self.dhd.set_force)(f.x, f.y, f.z, self.id) };
+        if answer < 0 { Err(Gone) } else { Ok(()) }
+    }
+
+    fn enable(&mut self, on: bool) -> Result<(), Gone> {
+        // SAFETY: a plain number, and an id that the library gave.
+        let answer = unsafe { (self.dhd.enable_force)(c_uchar::from(on), self.id) };
         if answer < 0 { Err(Gone) } else { Ok(()) }
     }
 }

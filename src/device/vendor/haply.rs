@@ -424,6 +424,7 @@ mod tests {
         c.guards.command_timeout_ms = 100.0;
         let mut device = FAMILY.open_at(at, "04BA", &c).expect("opened");
         until("connected", || device.read(0.001).connected);
+        device.enable(true);
         let reading = device.read(0.001);
         // 20 mm towards the user (footward when lying), 10 mm right, 30 mm up.
         assert!((reading.position_mm - Vec3::new(10.0, -20.0, 30.0)).length() < 1e-9);

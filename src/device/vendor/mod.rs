@@ -113,7 +113,7 @@ fn link(
     calibration: &Calibration,
 ) -> Result<Mapped<Linked>, DeviceError> {
     let driver = Box::<Spoken>::default();
-    let linked = Linked::start(capabilities, port, driver, calibration.guards)?;
+    let linked = Linked::start(capabilities, port, driver, calibration)?;
     Ok(Mapped::new(linked, calibration.mapping))
 }
 

@@ -69,6 +69,7 @@ struct Hd {
     get_integerv: unsafe extern "C" fn(c_uint, *mut c_int),
     set_doublev: unsafe extern "C" fn(c_uint, *const c_double),
     enable: unsafe extern "C" fn(c_uint),
+    disable: unsafe extern "C" fn(c_uint),
     get_error: unsafe extern "C" fn() -> ErrorInfo,
     schedule: unsafe extern "C" fn(Callback, *mut c_void, c_ushort) -> c_ulong,
     unschedule: unsafe extern "C" fn(c_ulong),
@@ -93,6 +94,7 @@ impl Hd {
                 get_integerv: *library.get(b"hdGetIntegerv\0")?,
                 set_doublev: *library.get(b"hdSetDoublev\0")?,
                 enable: *library.get(b"hdEnable\0")?,
+                disable: *library.get(b"hdDisable\0")?,
                 get_error: *library.get(b"hdGetError\0")?,
                 schedule: *library.get(b"hdScheduleAsynchronous\0")?,
                 unschedule: *library.get(b"hdUnschedule\0")?,
@@ -143,6 +145,8 @@ struct Flags {
     ended: AtomicBool,
     /// The device reported an error.
     gone: AtomicBool,
+    /// Force output is wanted.
+    on: AtomicBool,
 }
 
 /// Everything the library's thread owns.
@@ -154,6 +158,8 @@ struct Turn {
     wanted: triple_buffer::Output<(Vec3, Option<Instant>)>,
     number: u16,
     farewells: u8,
+    /// Whether the device's force output is on.
+    on: bool,
 }
 
 impl Turn {
@@ -162,11 +168,8 @@ impl Turn {
         let stopping = self.flags.stop.load(Ordering::Acquire);
         let (force, when) = *self.wanted.read();
         let fresh = when.is_some_and(|t| t.elapsed() <= PATIENCE);
-        let force = if fresh && !stopping {
-            force
-        } else {
-            Vec3::ZERO
-        };
+        let on = self.flags.on.load(Ordering::Acquire) && !stopping;
+        let force = if fresh && on { force } else { Vec3::ZERO };
         // The library has x to the right, y up, z towards the user.
         let theirs = [force.y, force.z, force.x];
         let (mut at, mut buttons) = ([0.0; 3], 0);
@@ -174,12 +177,19 @@ impl Turn {
         let error = unsafe {
             (self.hd.begin_frame)(self.device);
             (self.hd.make_current)(self.device);
+            if on && !self.on {
+                (self.hd.enable)(FORCE_OUTPUT);
+            }
             (self.hd.get_doublev)(POSITION, at.as_mut_ptr());
             (self.hd.get_integerv)(BUTTONS, &mut buttons);
             (self.hd.set_doublev)(FORCE, theirs.as_ptr());
+            if self.on && !on {
+                (self.hd.disable)(FORCE_OUTPUT);
+            }
             (self.hd.end_frame)(self.device);
             (self.hd.get_error)()
         };
+        self.on = on;
         if error.code != 0 {
             self.flags.gone.store(true, Ordering::Release);
             return false;
@@ -249,7 +259,6 @@ impl HdPort {
                 return Err(hd.error(&format!("{name:?} does not open")));
             }
             (hd.make_current)(device);
-            (hd.enable)(FORCE_OUTPUT);
             device
         };
         let stated = Stated {
@@ -268,6 +277,7 @@ impl HdPort {
             wanted: wanted_out,
             number: 0,
             farewells: 0,
+            on: false,
         }));
         // SAFETY: what is scheduled lives until the turn has ended and is unscheduled (Drop).
         let handle = unsafe {
@@ -315,6 +325,11 @@ impl Port for HdPort {
         } else {
             Ok(())
         }
+    }
+
+    fn enable(&mut self, on: bool) -> Result<(), Gone> {
+        self.flags.on.store(on, Ordering::Release);
+        Ok(())
     }
 }
 

@@ -36,18 +36,18 @@ fn capabilities() -> Capabilities {
 fn start() -> (Linked, SocketPort) {
     let (host, board) = SocketPort::pair().expect("pair");
     // Patient with a busy machine: what is tried here is not the bound.
-    let guards = Guards {
-        silence_ms: 100.0,
-        command_timeout_ms: 100.0,
-        ..Guards::default()
-    };
+    let mut calibration = Calibration::plain("toy", 5.0, 1.0);
+    calibration.guards.silence_ms = 100.0;
+    calibration.guards.command_timeout_ms = 100.0;
     let linked = Linked::start(
         capabilities(),
         Box::new(host),
         Box::new(Toy::default()),
-        guards,
+        &calibration,
     );
-    (linked.expect("started"), board)
+    let mut linked = linked.expect("started");
+    linked.enable(true);
+    (linked, board)
 }
 
 /// Takes everything the link says; the last force in tenths, and how many.
@@ -147,6 +147,37 @@ fn a_servo_that_stalls_leaves_no_force_standing() {
     push(&mut device, &mut board);
 }
 
+/// What the motors do besides, as gravity compensation does, ends with it.
+#[test]
+fn switched_off_means_no_current_whatever_the_servo_says() {
+    let (host, mut board) = SocketPort::pair().expect("pair");
+    let mut calibration = Calibration::plain("toy", 5.0, 1.0);
+    calibration.guards.silence_ms = 100.0;
+    let toy = Box::new(Toy::default());
+    let linked = Linked::start(capabilities(), Box::new(host), toy, &calibration);
+    let mut device = linked.expect("started");
+    let off = |device: &mut Linked, board: &mut SocketPort| {
+        for _ in 0..30 {
+            board.write(&[50]).expect("sent");
+            device.read(0.001);
+            device.write(Vec3::X * 3.0);
+            std::thread::sleep(Duration::from_millis(1));
+            assert!(!matches!(drain(board).0, Some(1..)), "off, and it flows");
+        }
+    };
+    off(&mut device, &mut board);
+    device.enable(true);
+    push(&mut device, &mut board);
+    device.enable(false);
+    until("never off", || {
+        board.write(&[50]).expect("sent");
+        drain(&mut board).0 == Some(0)
+    });
+    off(&mut device, &mut board);
+    device.enable(true);
+    push(&mut device, &mut board);
+}
+
 #[test]
 fn an_unplugged_device_is_told_and_stays_so() {
     let (mut device, mut board) = start();
@@ -185,7 +216,7 @@ fn a_wire_that_hangs_is_told_by_the_servos_side_and_does_not_hold_closing_up() {
         capabilities(),
         port,
         Box::new(Toy::default()),
-        Guards::default(),
+        &Calibration::plain("toy", 5.0, 1.0),
     );
     let mut device = linked.expect("started");
     until("never hung", || device.vitals().counts().reports == 1);
