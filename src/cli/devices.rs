@@ -1,11 +1,15 @@
 //! `dorsum devices`: which devices are known and attached, what they can do, how they were tested; whether the loop holds.
 
+use super::attached::stable_line;
 use super::common::progress_bar;
 use super::{CliError, Outcome, print, print_json};
 use crate::device::calibration;
 use crate::device::hid::check::{self, Checked, Trial};
 use crate::device::hid::emulator::Outcome as Truth;
+use crate::device::mapped::on_subject;
+use crate::device::stable::Stable;
 use crate::device::{Calibration, Capabilities, Device, Family, Found, Proof, all};
+use crate::servo;
 use std::path::PathBuf;
 
 /// What is asked.
@@ -41,6 +45,8 @@ struct PrintedFamily {
     /// What keeps devices from being looked for.
     missing: Option<String>,
     capabilities: PrintedCapabilities,
+    /// How stiff a skin it renders stably at 1 kHz, by four answers.
+    stable: Stable,
     found: Vec<PrintedFound>,
 }
 
@@ -51,6 +57,7 @@ struct PrintedFound {
     /// Why its device file is refused.
     refused: Option<String>,
     capabilities: Option<PrintedCapabilities>,
+    stable: Option<Stable>,
     test: Option<PrintedTest>,
 }
 
@@ -104,6 +111,11 @@ struct PrintedTest {
     truth: Option<Truth>,
 }
 
+/// Where the user's device files are.
+pub(super) fn users_folder() -> Option<PathBuf> {
+    directories::ProjectDirs::from("", "", "dorsum").map(|d| d.config_dir().join("devices"))
+}
+
 /// Lists devices, or tries the loop.
 ///
 /// # Errors
@@ -116,9 +128,7 @@ pub fn run(args: &DevicesArgs, json: bool) -> Result<Outcome, CliError> {
     if let Some(key) = &args.emulator {
         return emulated(key, args, json);
     }
-    let folder = args.folder.clone().or_else(|| {
-        directories::ProjectDirs::from("", "", "dorsum").map(|d| d.config_dir().join("devices"))
-    });
+    let folder = args.folder.clone().or_else(users_folder);
     let families: Vec<PrintedFamily> = all()
         .iter()
         .map(|family| look(*family, folder.as_deref(), args))
@@ -161,6 +171,7 @@ fn look(
                 Ok(c) => PrintedFound {
                     test: args.test.then(|| tried(family, &found, &c, args.seconds)),
                     capabilities: Some(family.capabilities(&c).into()),
+                    stable: Some(stable(family, &c)),
                     refused: None,
                     found,
                 },
@@ -168,6 +179,7 @@ fn look(
                     found,
                     refused: Some(e.to_string()),
                     capabilities: None,
+                    stable: None,
                     test: None,
                 },
             }
@@ -181,8 +193,14 @@ fn look(
         tested: family.proof(),
         missing,
         capabilities: family.capabilities(&family.defaults()).into(),
+        stable: stable(family, &family.defaults()),
         found,
     }
+}
+
+fn stable(family: &dyn Family, calibration: &Calibration) -> Stable {
+    let capabilities = on_subject(&family.capabilities(calibration), &calibration.mapping);
+    Stable::of(&capabilities, calibration, 1000.0)
 }
 
 fn tried(family: &dyn Family, found: &Found, c: &Calibration, seconds: f64) -> PrintedTest {
@@ -214,6 +232,7 @@ fn tried(family: &dyn Family, found: &Found, c: &Calibration, seconds: f64) -> P
 fn tick(device: &mut dyn Device, seconds: f64, skin_n_per_mm: f64) -> Checked {
     let bar = progress_bar(1000, "{msg:32} {bar:30} {percent:>3} %");
     bar.set_message(device.capabilities().name.clone());
+    let _running = servo::Running::new();
     let trial = Trial {
         seconds,
         rate_hz: 1000.0,
@@ -226,7 +245,7 @@ fn tick(device: &mut dyn Device, seconds: f64, skin_n_per_mm: f64) -> Checked {
             shown = now;
             bar.set_position(now * 10);
         }
-        true
+        servo::halted().is_none()
     });
     bar.finish_and_clear();
     checked
@@ -315,6 +334,9 @@ fn show(families: &[PrintedFamily], tested: bool) {
             family.tested.title()
         ));
         print(format_args!("  {}", told(c)));
+        if c.force_axes > 0 {
+            print(format_args!("  {}", stable_line(&family.stable)));
+        }
         match &family.missing {
             Some(missing) => print(format_args!("  {missing}")),
             None if family.found.is_empty() => print("  none attached"),
@@ -332,6 +354,9 @@ fn show(families: &[PrintedFamily], tested: bool) {
             }
             if let Some(c) = &f.capabilities {
                 print(format_args!("    {}", told(c)));
+            }
+            if let Some(stable) = f.stable.filter(|s| s.told_n_per_mm.is_finite()) {
+                print(format_args!("    {}", stable_line(&stable)));
             }
             if let Some(test) = &f.test {
                 show_test(test);

@@ -3,6 +3,7 @@
 //! Exit codes: 0 done, 1 the thing checked does not hold, 2 bad usage or bad input. Errors are one line on stderr that
 //! names the cause and the remedy. With `--json` one JSON document stands on stdout and nothing else.
 
+mod attached;
 mod common;
 mod compare;
 mod count;
@@ -12,6 +13,7 @@ mod emulate;
 mod export;
 mod headless;
 mod lab;
+mod live;
 mod map;
 mod mesh;
 mod otherwise;
@@ -21,10 +23,12 @@ mod replay;
 mod run;
 mod scenario;
 mod scene;
+mod signals;
 mod summary;
 mod train;
 mod workbench;
 
+use crate::servo::Halt;
 use clap::{Parser, Subcommand};
 use std::fmt;
 use std::io::Write as _;
@@ -36,6 +40,8 @@ pub enum Outcome {
     Done,
     /// The thing checked does not hold: exit code 1.
     DoesNotHold,
+    /// A signal or a panic ended it early: its own exit code.
+    Halted(Halt),
 }
 
 /// Bad usage or bad input: one line, exit code 2.
@@ -147,6 +153,10 @@ pub fn main() -> u8 {
     };
     let json = arguments.json;
     count::offer();
+    match &arguments.command {
+        Some(Command::Emulate(_)) => signals::leave_to_parent(),
+        _ => signals::heed(),
+    }
     let outcome = match &arguments.command {
         None => workbench::run(&arguments.workbench, json),
         Some(Command::Run(args)) => run::run(args, json),
@@ -170,6 +180,7 @@ pub fn main() -> u8 {
     match outcome {
         Ok(Outcome::Done) => 0,
         Ok(Outcome::DoesNotHold) => 1,
+        Ok(Outcome::Halted(how)) => how.exit_code(),
         Err(error) => {
             eprintln!("dorsum: {error}");
             2

@@ -1,18 +1,17 @@
 //! `dorsum run`: the full servo loop with a scripted device, without a window.
 
+use super::attached::{Hand, HandsArgs, Told};
 use super::common::{build_scene, load_scenario, parse_place, progress_bar};
+use super::live::{Live, extras, header};
 use super::summary::Summary;
 use super::{CliError, Outcome, print, print_json};
 use crate::device::Device;
 use crate::device::scripted::{Script, Scripted, Trajectory};
 use crate::scenario::{Scene, Use};
-use crate::servo::{self, Limits, MAX_FINGERS, Rig, ServoConfig};
-use crate::session::recorder::RecorderThread;
+use crate::servo::{self, Limits, MAX_FINGERS, Rig};
 use crate::session::writer::{IfExists, SessionWriter};
-use crate::session::{DeviceInfo, Extras, Header, MeshSource, build_id, compress, utc_now};
+use crate::session::{DeviceInfo, compress};
 use std::path::{Path, PathBuf};
-use std::sync::mpsc;
-use std::time::Duration;
 
 /// Which scenario, which motion, what becomes of it.
 #[derive(Debug, clap::Args)]
@@ -20,13 +19,13 @@ pub struct RunArgs {
     /// Scenario file, or the name of an example.
     scenario: String,
     /// Motion of the fingers: CSV with columns t,x,y,z[,finger] in s and mm.
-    #[arg(long, value_name = "TRAJ.csv", conflicts_with = "script")]
+    #[arg(long, value_name = "TRAJ.csv", conflicts_with_all = ["script", "device", "emulator"])]
     path: Option<PathBuf>,
     /// Motion by name: press, slide, circle, spiral or tap.
-    #[arg(long, value_name = "NAME", value_parser = script_by_name)]
+    #[arg(long, value_name = "NAME", value_parser = script_by_name, conflicts_with_all = ["device", "emulator"])]
     script: Option<Script>,
-    /// Where a script presses on the map plane, mm.
-    #[arg(long, value_name = "X,Y", value_parser = parse_place, requires = "script", allow_hyphen_values = true)]
+    /// Where a script presses on the map plane, or where the middle of a device's workspace is laid, mm.
+    #[arg(long, value_name = "X,Y", value_parser = parse_place, conflicts_with = "path", allow_hyphen_values = true)]
     at: Option<(f64, f64)>,
     /// How deep a script presses, mm.
     #[arg(long, value_name = "MM", default_value_t = 6.0, value_parser = depth_mm, requires = "script")]
@@ -41,8 +40,10 @@ pub struct RunArgs {
     #[arg(long, requires = "record")]
     compress: bool,
     /// Run as fast as it goes instead of in real time.
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["device", "emulator"])]
     fast: bool,
+    #[command(flatten)]
+    hands: HandsArgs,
     /// Ticks per second.
     #[arg(long, value_name = "HZ", default_value_t = 1000.0, value_parser = rate_hz)]
     rate: f64,
@@ -78,9 +79,13 @@ struct Printed {
     motion: String,
     real_time: bool,
     passivity: bool,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    hands: Vec<Told>,
     summary: Summary,
     recorded: Option<PathBuf>,
     lost_ticks: u64,
+    /// Why it ended before its time, if it did.
+    ended_early: Option<String>,
 }
 
 /// Runs the motion to its end and says what it came to.
@@ -97,12 +102,15 @@ pub fn run(args: &RunArgs, json: bool) -> Result<Outcome, CliError> {
         return Err(CliError::input(format!("{}: {what}", path.display())));
     }
     let purpose = Use {
-        fingers: 1,
+        fingers: args.hands.n().max(1),
         recorded: args.record.is_some(),
         passivity: args.passivity,
         ..Use::default()
     };
     let scene = build_scene(load_scenario(&args.scenario)?, purpose)?;
+    if args.hands.n() > 0 {
+        return with_devices(args, &scene, json);
+    }
     let (trajectories, motion) = match (&args.path, args.script) {
         (Some(path), _) => (
             Trajectory::load_csv(path).map_err(CliError::input)?,
@@ -117,7 +125,7 @@ pub fn run(args: &RunArgs, json: bool) -> Result<Outcome, CliError> {
         }
         (None, None) => {
             return Err(CliError::input(
-                "a motion is needed: --path TRAJ.csv or --script NAME",
+                "a motion is needed: --path TRAJ.csv, --script NAME, --device FAMILY or --emulator FAMILY",
             ));
         }
     };
@@ -126,50 +134,127 @@ pub fn run(args: &RunArgs, json: bool) -> Result<Outcome, CliError> {
         trajectories,
         passivity: args.passivity,
     };
-    let target = args.record.as_deref().map(|path| {
-        (
-            path,
-            if args.overwrite {
-                IfExists::Replace
-            } else {
-                IfExists::Refuse
-            },
-        )
-    });
+    let target = target(args);
     let (summary, lost_ticks) = if args.fast {
         plan.run_fast(&scene, target)?
     } else {
         plan.run_live(&scene, target)?
     };
-    if let Some(path) = args.record.as_deref().filter(|_| args.compress) {
-        let bar = progress_bar(1000, "compressing  {bar:40} {percent:>3} %  {eta}");
-        let compressed = compress(path, &mut |done| {
-            bar.set_position((done * 1000.0) as u64);
-            true
-        });
-        bar.finish_and_clear();
-        compressed.map_err(CliError::input)?;
-    }
+    finish(args)?;
     let printed = Printed {
         scenario: scene.scenario.name.clone(),
         motion,
         real_time: !args.fast,
         passivity: args.passivity,
+        hands: Vec::new(),
         summary,
         recorded: args.record.clone(),
         lost_ticks,
+        ended_early: servo::halted().map(|h| h.title().to_owned()),
     };
-    if json {
-        print_json(&printed)?;
-    } else {
-        print(format_args!("{} · {}", printed.scenario, printed.motion));
-        print(format_args!("{}", printed.summary));
-        if let Some(path) = &printed.recorded {
-            print(format_args!("lost ticks    {lost_ticks:>8}"));
+    printed.show(json)?;
+    Ok(servo::halted().map_or(Outcome::Done, Outcome::Halted))
+}
+
+impl Printed {
+    fn show(&self, json: bool) -> Result<(), CliError> {
+        if json {
+            return print_json(self);
+        }
+        print(format_args!("{} · {}", self.scenario, self.motion));
+        for hand in &self.hands {
+            print(format_args!("{hand}"));
+        }
+        print(format_args!("{}", self.summary));
+        if let Some(path) = &self.recorded {
+            print(format_args!("lost ticks    {:>8}", self.lost_ticks));
             print(format_args!("recorded to {}", path.display()));
         }
+        if let Some(why) = &self.ended_early {
+            eprintln!("dorsum: ended early: {why}");
+        }
+        Ok(())
     }
-    Ok(Outcome::Done)
+}
+
+/// Runs with the devices that are asked for, until their time is over or one of them goes.
+fn with_devices(args: &RunArgs, scene: &Scene, json: bool) -> Result<Outcome, CliError> {
+    let (hands, devices) = args.hands.open(scene, args.at, args.rate)?;
+    let mut limits = [Limits::default(); MAX_FINGERS];
+    for (limit, hand) in limits.iter_mut().zip(&hands) {
+        *limit = Limits {
+            passivity: args.passivity,
+            stiffness: hand.bound,
+            ..Limits::of(&hand.capabilities)
+        };
+    }
+    let names = hands.iter().map(|h| h.capabilities.name.clone());
+    let names: Vec<String> = names.collect();
+    let infos = names
+        .iter()
+        .zip(&limits)
+        .map(|(n, l)| DeviceInfo::new(n, l));
+    let live = Live {
+        rate_hz: args.rate,
+        n_ticks: (args.hands.seconds() * args.rate).ceil() as u64,
+        limits,
+        infos: infos.collect(),
+        calibrations: hands.iter().map(|h| h.calibration.to_toml()).collect(),
+    };
+    // Each is looked at, also behind one that went.
+    let gone = || hands.iter().filter_map(Hand::gone).reduce(|first, _| first);
+    let (summary, lost_ticks) = live.run(scene, target(args), devices, &gone)?;
+    finish(args)?;
+    let ended = gone();
+    let printed = Printed {
+        scenario: scene.scenario.name.clone(),
+        motion: names.join(", "),
+        real_time: true,
+        passivity: args.passivity,
+        hands: hands
+            .into_iter()
+            .map(Hand::told)
+            .collect::<Result<_, _>>()?,
+        summary,
+        recorded: args.record.clone(),
+        lost_ticks,
+        ended_early: match servo::halted() {
+            Some(h) => Some(h.title().to_owned()),
+            None => ended.clone(),
+        },
+    };
+    printed.show(json)?;
+    Ok(match (servo::halted(), ended) {
+        (Some(h), _) => Outcome::Halted(h),
+        (None, Some(_)) => Outcome::DoesNotHold,
+        (None, None) => Outcome::Done,
+    })
+}
+
+fn target(args: &RunArgs) -> Target<'_> {
+    let if_exists = if args.overwrite {
+        IfExists::Replace
+    } else {
+        IfExists::Refuse
+    };
+    args.record.as_deref().map(|path| (path, if_exists))
+}
+
+/// Compresses the recording where that is asked for and nobody wants to be gone.
+fn finish(args: &RunArgs) -> Result<(), CliError> {
+    let wanted = args.compress && servo::halted().is_none();
+    if let Some(path) = args.record.as_deref().filter(|_| wanted) {
+        let bar = progress_bar(1000, "compressing  {bar:40} {percent:>3} %  {eta}");
+        let compressed = compress(path, &mut |done| {
+            bar.set_position((done * 1000.0) as u64);
+            servo::halted().is_none()
+        });
+        bar.finish_and_clear();
+        if servo::halted().is_none() {
+            compressed.map_err(CliError::input)?;
+        }
+    }
+    Ok(())
 }
 
 /// A script laid over the skin of a scene.
@@ -190,7 +275,8 @@ pub(super) struct Plan {
     pub(super) passivity: bool,
 }
 
-type Target<'a> = Option<(&'a Path, IfExists)>;
+/// The file to record into.
+pub(super) type Target<'a> = Option<(&'a Path, IfExists)>;
 
 impl Plan {
     fn devices(&self) -> Vec<Box<dyn Device>> {
@@ -221,31 +307,25 @@ impl Plan {
         limits
     }
 
-    fn header(&self, scene: &Scene) -> Header {
+    fn infos(&self) -> Vec<DeviceInfo> {
         let devices = self.devices();
         let named = devices.iter().zip(self.limits());
-        Header {
-            scenario_toml: scene.scenario.source.clone(),
-            scenario_name: scene.scenario.name.clone(),
-            mesh: MeshSource::new(&scene.surface, &scene.mesh_origin),
-            devices: named
-                .map(|(d, limits)| DeviceInfo::new(&d.capabilities().name, &limits))
-                .collect(),
-            rate_hz: self.rate_hz,
-            build: build_id(),
-            started_utc: utc_now(),
-            participant: None,
-            edit: 0,
-            sealed: false,
-        }
+        named
+            .map(|(d, limits)| DeviceInfo::new(&d.capabilities().name, &limits))
+            .collect()
     }
 
     /// As fast as it goes, on this thread. Returns the summary and the number of ticks lost to the recorder.
     fn run_fast(&self, scene: &Scene, target: Target<'_>) -> Result<(Summary, u64), CliError> {
         let mut writer = match target {
             Some((path, if_exists)) => Some(
-                SessionWriter::create_with(path, &self.header(scene), &extras(scene)?, if_exists)
-                    .map_err(CliError::input)?,
+                SessionWriter::create_with(
+                    path,
+                    &header(scene, self.rate_hz, self.infos()),
+                    &extras(scene)?,
+                    if_exists,
+                )
+                .map_err(CliError::input)?,
             ),
             None => None,
         };
@@ -287,65 +367,15 @@ impl Plan {
         scene: &Scene,
         target: Target<'_>,
     ) -> Result<(Summary, u64), CliError> {
-        let rig = Rig::new(Box::new(scene.touch.clone()), self.limits());
-        let config = ServoConfig {
+        let live = Live {
             rate_hz: self.rate_hz,
-            ..ServoConfig::default()
+            n_ticks: self.n_ticks(),
+            limits: self.limits(),
+            infos: self.infos(),
+            calibrations: Vec::new(),
         };
-        let dt_s = config.dt_s();
-        let n_ticks = self.n_ticks();
-        let (servo, lines) = servo::start(config, rig, self.devices()).map_err(CliError::input)?;
-        // The tap sees every record on the recorder's thread; one full summary at a time comes back.
-        let (tell, told) = mpsc::sync_channel(8);
-        let mut summary = Summary::new(dt_s);
-        let tap = move |records: &[servo::FingerRecord]| {
-            for record in records {
-                summary.add(record);
-            }
-            // A full channel means that the last summary has not been read yet; the next one will tell more.
-            let _ = tell.try_send(summary.clone());
-        };
-        let recorder =
-            RecorderThread::spawn(lines.records, Some(Box::new(tap))).map_err(CliError::input)?;
-        recorder.carry(match target {
-            Some(_) => extras(scene)?,
-            None => Extras::default(),
-        });
-        match target {
-            Some((path, IfExists::Refuse)) => recorder.start(path, self.header(scene)),
-            Some((path, IfExists::Replace)) => recorder.start_replacing(path, self.header(scene)),
-            None => Ok(()),
-        }
-        .map_err(CliError::input)?;
-        let bar = progress_bar(n_ticks, RUN_BAR);
-        let mut last = Summary::new(dt_s);
-        while last.ticks < n_ticks {
-            match told.recv_timeout(Duration::from_secs(2)) {
-                Ok(summary) => last = summary,
-                Err(_) => return Err(CliError::input("the servo stopped answering; try --fast")),
-            }
-            bar.set_position(last.ticks.min(n_ticks));
-        }
-        bar.finish_and_clear();
-        drop(servo);
-        let lost = match target {
-            Some(_) => recorder.stop().map_err(CliError::input)?.lost,
-            None => 0,
-        };
-        drop(recorder);
-        if let Some(newest) = told.try_iter().last() {
-            last = newest;
-        }
-        Ok((last, lost))
+        live.run(scene, target, self.devices(), &|| None)
     }
 }
 
-/// What travels with a recording: the mesh where it is a file.
-fn extras(scene: &Scene) -> Result<Extras, CliError> {
-    let folder = scene.scenario.folder.as_deref();
-    Extras::of_this_machine()
-        .with_mesh_of(&scene.mesh_origin, folder)
-        .map_err(CliError::input)
-}
-
-const RUN_BAR: &str = "{msg:12} {bar:40} {percent:>3} %  {eta}";
+pub(super) const RUN_BAR: &str = "{msg:12} {bar:40} {percent:>3} %  {eta}";

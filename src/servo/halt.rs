@@ -1,10 +1,11 @@
 //! The end of all force at once, whoever asks for it: a signal, a panic anywhere, the window's close.
 //!
-//! One atomic for the whole process. Every servo looks at it before each tick: once it is set the servo sends zero, switches
+//! One atomic for the whole process, which waits for nothing. Every servo looks at it before each tick: once it is set the servo sends zero, switches
 //! its devices off, closes them and ends. A servo started while it is set ends before its first tick.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU8, AtomicUsize, Ordering};
+use std::sync::{Condvar, Mutex, PoisonError};
 
 /// Why all force ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -57,6 +58,7 @@ impl Halt {
 }
 
 static HALTED: AtomicU8 = AtomicU8::new(0);
+static TOLD: (Mutex<()>, Condvar) = (Mutex::new(()), Condvar::new());
 static RUNNING: AtomicUsize = AtomicUsize::new(0);
 
 thread_local! {
@@ -66,6 +68,21 @@ thread_local! {
 /// Ends all force of this process. The first reason stays.
 pub fn halt(reason: Halt) {
     let _ = HALTED.compare_exchange(0, reason as u8, Ordering::AcqRel, Ordering::Acquire);
+    // Nobody holds it longer than it takes to look.
+    drop(TOLD.0.lock().unwrap_or_else(PoisonError::into_inner));
+    TOLD.1.notify_all();
+}
+
+/// Waits until all force is ended, and tells why: for a thread that then closes a window.
+pub fn wait_for_halt() -> Halt {
+    let (lock, told) = &TOLD;
+    let mut held = lock.lock().unwrap_or_else(PoisonError::into_inner);
+    loop {
+        if let Some(reason) = halted() {
+            return reason;
+        }
+        held = told.wait(held).unwrap_or_else(PoisonError::into_inner);
+    }
 }
 
 /// Whether all force was ended, and why.

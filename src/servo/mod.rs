@@ -19,7 +19,9 @@ mod timing;
 
 pub use crate::device::MAX_FINGERS;
 pub use fade::{MOST_SHARE, MOST_STEP_N};
-pub use halt::{Halt, Running, halt, halt_on_panic, halted, resume, running, tolerate};
+pub use halt::{
+    Halt, Running, halt, halt_on_panic, halted, resume, running, tolerate, wait_for_halt,
+};
 pub use limiter::{LimitFlags, Limits};
 pub use record::{FingerRecord, TickInput, TickRecord};
 pub use runner::{

@@ -5,7 +5,7 @@ use super::extras::Extras;
 use super::faults::Faults;
 use super::header::Header;
 use super::writer::{IfExists, RecordingSummary, SessionWriter, Store, created};
-use crate::servo::FingerRecord;
+use crate::servo::{FingerRecord, Running};
 use rtrb::Consumer;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -102,6 +102,8 @@ pub struct RecorderThread {
     known: VecDeque<EditText>,
     status: Arc<Mutex<RecorderStatus>>,
     writer: Option<Writer>,
+    /// A signal lets the file be closed.
+    running: Option<Running>,
     /// What every recording begun carries.
     extras: Extras,
     faults: Faults,
@@ -133,6 +135,7 @@ impl RecorderThread {
             known: VecDeque::new(),
             status: Arc::clone(&status),
             writer: None,
+            running: None,
             extras: Extras::of_this_machine(),
             faults: Faults::default(),
             held: false,
@@ -248,6 +251,7 @@ impl RecorderThread {
         };
         if let Err(e) = act(writer) {
             self.writer = None;
+            self.running = None;
             let mut status = locked(&self.status);
             status.held_bytes = 0;
             status.state = RecorderState::Failed {
@@ -275,6 +279,7 @@ impl RecorderThread {
             }
         }
         self.writer = Some(writer);
+        self.running = Some(Running::new());
         self.held = false;
         *locked(&self.status) = RecorderStatus {
             state: RecorderState::Recording {
@@ -311,6 +316,7 @@ impl RecorderThread {
             return Err(SessionError::Recorder(reason));
         };
         let outcome = writer.finish();
+        self.running = None;
         locked(&self.status).held_bytes = 0;
         match &outcome {
             Ok(summary) => {

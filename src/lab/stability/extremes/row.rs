@@ -1,6 +1,7 @@
 //! What one extreme case is, and how it ended.
 
 use crate::lab::Value;
+use crate::servo::tolerate;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -48,7 +49,7 @@ impl Case {
 
     /// Runs it. A panic ends the case, not the table.
     pub fn row(&self, subject: &str, size: &Size) -> Row {
-        let ended = catch_unwind(AssertUnwindSafe(|| (self.go)(size)));
+        let ended = catch_unwind(AssertUnwindSafe(|| tolerate(|| (self.go)(size))));
         let Ended {
             tally,
             outcome,
