@@ -4,7 +4,7 @@ use super::bench::Source;
 use super::roles::Role;
 use super::shell::{Start, Workbench};
 use crate::scenario;
-use crate::servo::{Halt, halt, halted};
+use crate::servo::{Halt, halt, halted, wait_for_halt};
 use std::path::PathBuf;
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
@@ -148,6 +148,7 @@ pub fn run(options: Options) -> Result<(), String> {
             if let Some((family, fault)) = options.emulator {
                 workbench.shared().bench().emulate(family, fault);
             }
+            wake_on_halt(&cc.egui_ctx);
             Ok(Box::new(Errand {
                 workbench,
                 first_frame: options.first_frame,
@@ -161,6 +162,19 @@ pub fn run(options: Options) -> Result<(), String> {
     )
     .map_err(|e| format!("the window cannot open: {e}"))?;
     outcome.try_recv().unwrap_or(Ok(()))
+}
+
+/// A window that has nothing to draw sleeps; a signal must wake it to be closed.
+fn wake_on_halt(ctx: &egui::Context) {
+    let ctx = ctx.clone();
+    let thread = std::thread::Builder::new().name("halt".into());
+    let waiting = thread.spawn(move || {
+        wait_for_halt();
+        ctx.request_repaint();
+    });
+    if let Err(e) = waiting {
+        log::warn!("a signal closes the window only once it draws: {e}");
+    }
 }
 
 /// The workbench, and what it was opened for: to stay, to be timed, or to be pictured.

@@ -65,6 +65,9 @@ pub(super) struct Hand {
     emulated: Option<crate::device::hid::emulator::process::Emulated>,
 }
 
+/// One per finger, for the servo.
+type Devices = Vec<Box<dyn Device>>;
+
 /// What is said about it afterwards. Bounds that are not there are `null`.
 #[derive(serde::Serialize)]
 pub(super) struct Told {
@@ -140,7 +143,7 @@ impl HandsArgs {
         scene: &Scene,
         at: Option<(f64, f64)>,
         rate_hz: f64,
-    ) -> Result<(Vec<Hand>, Vec<Box<dyn Device>>), CliError> {
+    ) -> Result<(Vec<Hand>, Devices), CliError> {
         if !(0.1..=86_400.0).contains(&self.seconds) {
             let what = format_args!("--seconds {}; 0.1 to 86400 is allowed", self.seconds);
             return Err(CliError::input(what));

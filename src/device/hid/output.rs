@@ -62,8 +62,12 @@ impl Output {
             return None;
         }
         let since_s = *self.since_s.get_or_insert(now_s);
-        // `max` and `min` make a number of what is none.
-        let share = ((now_s - since_s) / COMING_IN_S).max(0.0).min(1.0);
+        let share = (now_s - since_s) / COMING_IN_S;
+        let share = if share.is_nan() {
+            0.0
+        } else {
+            share.clamp(0.0, 1.0)
+        };
         let braked_n = velocity_mm_s * (self.damping_n_s_per_mm * share);
         let braked_n = if braked_n.is_finite() {
             braked_n
