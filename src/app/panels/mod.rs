@@ -4,6 +4,7 @@ pub mod back_view;
 pub mod compare;
 pub mod ellipse_map;
 pub mod exercise;
+mod folder;
 pub mod lab;
 mod legend;
 pub mod library;

@@ -10,15 +10,15 @@ mod cards;
 pub mod entry;
 pub mod picture;
 
+use super::folder::{FolderChoice, Words};
 use super::{Panel, PanelContext};
 use crate::app::bench::Wake;
-use crate::app::dialogs;
 use crate::app::dock::Home;
 use crate::app::editor::worker::Worker;
 use crate::app::panels::partition::wake;
 use crate::app::roles::Role;
 use crate::app::state::{PartCost, View};
-use crate::app::widgets::{icon_button, named};
+use crate::app::widgets::icon_button;
 use crate::scenario::Item;
 use egui::{ColorImage, TextureHandle, TextureOptions};
 use egui_material_icons::icons as icon;
@@ -26,7 +26,7 @@ use entry::{Entry, Listing};
 use picture::Silhouettes;
 use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 /// Key of the panel.
 pub const KEY: &str = "library";
@@ -37,11 +37,8 @@ const SCENARIOS: &str = "scenarios";
 #[derive(Default)]
 pub struct LibraryPanel {
     filter: String,
-    /// A folder that was chosen; `None`: that of the open scenario, or the user's.
-    chosen: Option<PathBuf>,
-    /// Its path while it is typed.
-    typed: Option<String>,
-    inbox: Arc<Mutex<Option<PathBuf>>>,
+    /// A folder that was chosen; without one that of the open scenario, or the user's.
+    folder: FolderChoice,
     held: Option<Box<Held>>,
 }
 
@@ -99,14 +96,11 @@ impl Panel for LibraryPanel {
     }
 
     fn keep(&self) -> Option<String> {
-        let folder = self.chosen.as_ref()?.to_str()?;
-        Some(format!("folder={folder}"))
+        self.folder.keep()
     }
 
     fn recall(&mut self, kept: &str) {
-        if let Some(folder) = kept.strip_prefix("folder=").filter(|f| !f.is_empty()) {
-            self.chosen = Some(PathBuf::from(folder));
-        }
+        self.folder.recall(kept);
     }
 
     fn release(&mut self, view: &View) {
@@ -117,15 +111,7 @@ impl Panel for LibraryPanel {
 
     fn ui(&mut self, ui: &mut egui::Ui, cx: &PanelContext<'_>) {
         let wake = wake(ui.ctx());
-        let answered = self
-            .inbox
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .take();
-        if let Some(folder) = answered {
-            self.chosen = Some(folder);
-        }
-        let folder = self.folder(cx.view);
+        let folder = self.listed(cx.view);
         let held = self.held.get_or_insert_with(Box::default);
         held.list(&folder, cx.view, &wake);
         held.paint(ui.ctx(), tells(cx.view), &wake);
@@ -154,13 +140,14 @@ impl Panel for LibraryPanel {
 }
 
 impl LibraryPanel {
-    fn folder(&self, view: &View) -> PathBuf {
+    fn listed(&mut self, view: &View) -> PathBuf {
         let of_scene = || view.scene.as_ref()?.scenario.folder.clone();
         let own = || {
             let beside = view.recorder.folder.parent();
             beside.map_or_else(|| PathBuf::from(SCENARIOS), |beside| beside.join(SCENARIOS))
         };
-        self.chosen.clone().or_else(of_scene).unwrap_or_else(own)
+        let chosen = self.folder.get().cloned();
+        chosen.or_else(of_scene).unwrap_or_else(own)
     }
 
     /// Filter and folder; true when the list is to be made anew.
@@ -180,37 +167,12 @@ impl LibraryPanel {
             let why = "Look at the folder again";
             again = icon_button(ui, icon::ICON_REFRESH, "List again", why).clicked();
         });
-        ui.horizontal(|ui| {
-            let label = ui.label("Folder");
-            let said = folder.display().to_string();
-            let mut text = self.typed.clone().unwrap_or_else(|| said.clone());
-            let field = ui
-                .add(
-                    egui::TextEdit::singleline(&mut text)
-                        .desired_width((ui.available_width() - 84.0).max(60.0)),
-                )
-                .labelled_by(label.id)
-                .on_hover_text("Whose scenario files are listed; Enter takes it. Empty: that of the open scenario");
-            if field.changed() {
-                self.typed = Some(text.clone());
-            }
-            if field.lost_focus() && self.typed.take().is_some() {
-                let text = text.trim();
-                self.chosen = (!text.is_empty()).then(|| PathBuf::from(text));
-            }
-            let button = ui
-                .button("Choose…")
-                .on_hover_text("Choose the folder whose scenario files are listed");
-            named(ui, &button, "Choose folder of scenarios");
-            if button.clicked() {
-                let (inbox, ctx) = (self.inbox.clone(), ui.ctx().clone());
-                let here = ctx.viewport_id();
-                dialogs::open_folder(cx.send, "scenarios", move |path| {
-                    *inbox.lock().unwrap_or_else(PoisonError::into_inner) = Some(path);
-                    ctx.request_repaint_of(here);
-                });
-            }
-        });
+        let words = Words {
+            what: "scenarios",
+            field: "Whose scenario files are listed; Enter takes it. Empty: that of the open scenario",
+            button: "Choose the folder whose scenario files are listed",
+        };
+        ui.horizontal(|ui| self.folder.ui(ui, cx.send, folder, &words, 0.0));
         again
     }
 }

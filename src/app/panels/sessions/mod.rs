@@ -6,9 +6,11 @@
 //! | [`shelf`] | the recordings of a folder, read on a thread of their own |
 //! | [`filter`] | which are shown, and in which order |
 //! | `list` | how they are shown |
+//! | `controls` | filters, sorting, progress, and what can be done with the ticked ones |
 //! | `detail` | what is told of the current one, and what can be done with it |
 //! | `picture` | its thumbnail |
 
+mod controls;
 mod detail;
 pub mod entry;
 pub mod filter;
@@ -16,26 +18,27 @@ mod list;
 mod picture;
 pub mod shelf;
 
+use super::folder::{FolderChoice, Words};
 use super::library::picture::Silhouettes;
 use super::partition::wake;
 use super::{Panel, PanelContext};
 use crate::app::command::Command;
-use crate::app::dialogs;
 use crate::app::dock::Home;
 use crate::app::state::{Compared, PartCost, View};
 use crate::app::theme::Theme;
-use crate::app::widgets::{empty_ui, grouped, icon_button, named};
+use crate::app::widgets::{empty_ui, icon_button};
 use crate::scenario::Item;
 use crate::study::index::Thumbnail;
-use egui::{RichText, TextureHandle, TextureOptions};
+use controls::{choice_ui, named_combo, sorting_ui, status_ui, ticked_ui};
+use egui::{TextureHandle, TextureOptions};
 use egui_material_icons::icons as icon;
 use entry::Entry;
-use filter::{By, Filter, Since, Sorting};
+use filter::{Filter, Since, Sorting};
 use list::{Asked, List};
 use shelf::Shelf;
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::SystemTime;
 
 /// Key of the panel.
@@ -50,11 +53,8 @@ const MADE_PER_FRAME: usize = 4;
 pub struct SessionsPanel {
     filter: Filter,
     sorting: Sorting,
-    /// A folder that was chosen; `None`: that of the recorder.
-    chosen: Option<PathBuf>,
-    /// Its path while it is typed.
-    typed: Option<String>,
-    inbox: Arc<Mutex<Option<PathBuf>>>,
+    /// A folder that was chosen; without one that of the recorder.
+    folder: FolderChoice,
     list: List,
     tags: detail::Typed,
     held: Option<Box<Held>>,
@@ -126,14 +126,11 @@ impl Panel for SessionsPanel {
     }
 
     fn keep(&self) -> Option<String> {
-        let folder = self.chosen.as_ref()?.to_str()?;
-        Some(format!("folder={folder}"))
+        self.folder.keep()
     }
 
     fn recall(&mut self, kept: &str) {
-        if let Some(folder) = kept.strip_prefix("folder=").filter(|f| !f.is_empty()) {
-            self.chosen = Some(PathBuf::from(folder));
-        }
+        self.folder.recall(kept);
     }
 
     fn release(&mut self, view: &View) {
@@ -152,15 +149,8 @@ impl Panel for SessionsPanel {
             );
             return;
         }
-        let answered = self
-            .inbox
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .take();
-        if let Some(folder) = answered {
-            self.chosen = Some(folder);
-        }
-        let folder = (self.chosen.clone()).unwrap_or_else(|| cx.view.recorder.folder.clone());
+        let chosen = self.folder.get().cloned();
+        let folder = chosen.unwrap_or_else(|| cx.view.recorder.folder.clone());
         self.follow(ui.ctx(), cx.view, &folder);
         self.head_ui(ui, cx, &folder);
         self.filters_ui(ui);
@@ -202,39 +192,12 @@ impl SessionsPanel {
 
     fn head_ui(&mut self, ui: &mut egui::Ui, cx: &PanelContext<'_>, folder: &Path) {
         ui.horizontal(|ui| {
-            let label = ui.label("Folder");
-            let said = folder.display().to_string();
-            let mut text = self.typed.clone().unwrap_or(said);
-            let field = ui
-                .add(
-                    egui::TextEdit::singleline(&mut text)
-                        .desired_width((ui.available_width() - 112.0).max(60.0)),
-                )
-                .labelled_by(label.id)
-                .on_hover_text(
-                    "Whose recordings are listed; Enter takes it. Empty: that of the recorder",
-                );
-            if field.changed() {
-                self.typed = Some(text);
-            }
-            if field.lost_focus()
-                && let Some(text) = self.typed.take()
-            {
-                let text = text.trim();
-                self.chosen = (!text.is_empty()).then(|| PathBuf::from(text));
-            }
-            let button = ui
-                .button("Choose…")
-                .on_hover_text("Choose the folder whose recordings are listed");
-            named(ui, &button, "Choose folder of recordings…");
-            if button.clicked() {
-                let (inbox, ctx) = (self.inbox.clone(), ui.ctx().clone());
-                let here = ctx.viewport_id();
-                dialogs::open_folder(cx.send, "recordings", move |path| {
-                    *inbox.lock().unwrap_or_else(PoisonError::into_inner) = Some(path);
-                    ctx.request_repaint_of(here);
-                });
-            }
+            let words = Words {
+                what: "recordings",
+                field: "Whose recordings are listed; Enter takes it. Empty: that of the recorder",
+                button: "Choose the folder whose recordings are listed",
+            };
+            self.folder.ui(ui, cx.send, folder, &words, 28.0);
             let why = "Look at the folder again";
             if icon_button(ui, icon::ICON_REFRESH, "Read folder again", why).clicked()
                 && let Some(held) = &mut self.held
@@ -409,129 +372,4 @@ fn picture_of(
     };
     pictures.insert(entry.path.clone(), made);
     texture
-}
-
-/// How many there are, or how far their reading is.
-fn status_ui(ui: &mut egui::Ui, shelf: &Shelf, progress: Option<f64>, shown: usize, all: usize) {
-    ui.horizontal(|ui| {
-        let count = if shown == all {
-            format!("{} recordings", grouped(all))
-        } else {
-            format!("{} of {} recordings", grouped(shown), grouped(all))
-        };
-        ui.label(RichText::new(count).size(12.0).weak());
-        if let Some(share) = progress {
-            let bar = egui::ProgressBar::new(share as f32)
-                .desired_width((ui.available_width() - 70.0).clamp(40.0, 160.0))
-                .desired_height(8.0);
-            ui.add(bar)
-                .on_hover_text("Recordings that are new or changed are looked into once");
-            let stop = ui
-                .small_button("Stop")
-                .on_hover_text("Stop looking into the recordings; what is known stays");
-            named(ui, &stop, "Stop reading recordings");
-            if stop.clicked() {
-                shelf.cancel();
-            }
-        }
-    });
-}
-
-/// What can be done with those that are ticked.
-fn ticked_ui(
-    ui: &mut egui::Ui,
-    cx: &PanelContext<'_>,
-    entries: &[Entry],
-    ticked: &mut BTreeSet<PathBuf>,
-) {
-    if ticked.is_empty() {
-        return;
-    }
-    ui.horizontal_wrapped(|ui| {
-        ui.label(format!("{} ticked", ticked.len()));
-        let paths = || ticked.iter().cloned().collect::<Vec<_>>();
-        let compare = ui
-            .button((icon::ICON_DIFFERENCE.rich_text(), "Compare"))
-            .on_hover_text("Set the ticked recordings side by side in the Compare panel");
-        named(ui, &compare, "Compare ticked");
-        if compare.clicked() {
-            let tagged = |path: &PathBuf| Compared {
-                path: path.clone(),
-                tags: (entries.iter().find(|e| e.path == *path))
-                    .map(|e| e.tags.clone())
-                    .unwrap_or_default(),
-            };
-            let recordings = ticked.iter().map(tagged).collect();
-            cx.send.send(Command::Compare(recordings));
-        }
-        let ghosts = ui
-            .button((icon::ICON_LAYERS.rich_text(), "Overlay"))
-            .on_hover_text(
-                "Show the fingers of the ticked recordings together in the Back view: where none is replayed yet, the first is, and the others are its ghosts",
-            );
-        named(ui, &ghosts, "Overlay ticked as ghosts");
-        if ghosts.clicked() {
-            let mut paths = paths();
-            if cx.view.playback.is_none() {
-                detail::replay(cx, paths.remove(0));
-            }
-            cx.send.send(Command::AddGhosts(paths));
-        }
-        let clear = ui.button("Clear").on_hover_text("Tick none");
-        named(ui, &clear, "Clear ticks");
-        if clear.clicked() {
-            ticked.clear();
-        }
-    });
-}
-
-/// A list of values to filter by, or none; `what` it is stands there while all pass.
-fn choice_ui(
-    ui: &mut egui::Ui,
-    what: &str,
-    offers: &BTreeSet<String>,
-    chosen: &mut Option<String>,
-    width: f32,
-) {
-    let text = chosen.as_deref().unwrap_or(what).to_owned();
-    let lower = what.to_lowercase();
-    let combo = egui::ComboBox::from_id_salt(what)
-        .selected_text(text)
-        .width(width)
-        .truncate()
-        .show_ui(ui, |ui| {
-            ui.selectable_value(chosen, None, format!("Any {lower}"));
-            for offer in offers {
-                ui.selectable_value(chosen, Some(offer.clone()), offer);
-            }
-        });
-    let why = format!("Only recordings with this {lower}");
-    named_combo(combo.response.on_hover_text(why), &format!("{what} filter"));
-}
-
-fn named_combo(response: egui::Response, name: &str) {
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::ComboBox, true, name));
-}
-
-fn sorting_ui(ui: &mut egui::Ui, sorting: &mut Sorting) {
-    let combo = egui::ComboBox::from_id_salt("sorting")
-        .selected_text(sorting.by.words())
-        .width(104.0)
-        .show_ui(ui, |ui| {
-            for by in By::ALL {
-                ui.selectable_value(&mut sorting.by, by, by.words());
-            }
-        });
-    named_combo(
-        combo.response.on_hover_text("What the list is sorted by"),
-        "Sort by",
-    );
-    let (sign, name) = if sorting.descending {
-        (icon::ICON_ARROW_DOWNWARD, "Descending order")
-    } else {
-        (icon::ICON_ARROW_UPWARD, "Ascending order")
-    };
-    if icon_button(ui, sign, name, "Turn the order round").clicked() {
-        sorting.descending = !sorting.descending;
-    }
 }
