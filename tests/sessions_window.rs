@@ -353,6 +353,50 @@ fn two_recordings_are_compared_with_the_right_numbers() {
         until_said(&mut harness, text);
         harness.check_accessibility();
     }
+    // Tags that are given later are those that groups are made of; others are not added by that.
+    let tags = vec!["late".to_owned()];
+    let retag = |path: &Path| {
+        Command::Retag(Compared {
+            path: path.to_owned(),
+            tags: tags.clone(),
+        })
+    };
+    apply(&mut harness, retag(&paths[1]));
+    apply(&mut harness, retag(Path::new("elsewhere.mcap")));
+    let compared = view(harness.state()).compared.clone();
+    let said: Vec<&[String]> = compared.iter().map(|c| &*c.tags).collect();
+    assert_eq!(said, [&["novice".to_owned()][..], &tags[..]]);
+    // Each finger by itself: the left one never touched.
+    click(&mut harness, "Page Measures");
+    click(&mut harness, "Measures of left finger");
+    until_said(&mut harness, "whole session, left finger");
+    assert_eq!(harness.query_all_by_label("1.500").count(), 0);
+    click(&mut harness, "Measures of right finger");
+    until_said(&mut harness, "whole session, right finger");
+    assert!(harness.query_all_by_label("1.500").count() >= 2);
+    assert!(says(&harness, "Force 0.5–2 N") && !says(&harness, "Force band"));
+    harness.check_accessibility();
+    // The recorded motion through the recorded scene: what was made up comes out otherwise.
+    click(&mut harness, "Page Repeat");
+    until_said(&mut harness, "Choose what is to be other");
+    harness.check_accessibility();
+    click(&mut harness, "Repeat recording otherwise");
+    until_said(
+        &mut harness,
+        "a_novice, as recorded: 1999 recorded ticks compared, 1999 computed",
+    );
+    until_said(&mut harness, "Figure: Distance of the proxies");
+    harness.check_accessibility();
+    // All of it as a page.
+    click(&mut harness, "Save report…");
+    click(&mut harness, "Save report to file");
+    until_said(&mut harness, "report written to");
+    let page = view(harness.state())
+        .recorder
+        .folder
+        .join("comparison.html");
+    let text = std::fs::read_to_string(&page).expect("written");
+    assert!(text.contains("a_novice and b_expert") && text.matches("<svg").count() >= 4);
     assert!(view(harness.state()).parts.has(Item::Comparison));
     click(&mut harness, "Take B out");
     until_said(&mut harness, "tag the recordings in the Sessions panel");

@@ -60,7 +60,7 @@ pub fn spreads_ui(ui: &mut egui::Ui, names: &[Named], beside: &Beside) {
 
 /// Agreement of each with the first.
 pub fn agreement_ui(ui: &mut egui::Ui, chart: &ChartContext<'_>, names: &[Named], beside: &Beside) {
-    for (pair, (name, _)) in beside.iter().zip(names.iter().skip(1)) {
+    for (i, (pair, (name, _))) in beside.iter().zip(names.iter().skip(1)).enumerate() {
         let Some(c) = pair else { continue };
         let Some(found) = &c.force_agreement else {
             ui.weak(format!(
@@ -69,7 +69,8 @@ pub fn agreement_ui(ui: &mut egui::Ui, chart: &ChartContext<'_>, names: &[Named]
             continue;
         };
         let title = format!("Mean force in windows of a second: {name} against A");
-        let plot = figures::agreement(found, "force (N)", &title, chart.theme);
+        let who = name.split(' ').next().unwrap_or_default();
+        let plot = figures::agreement(found, (i + 1, who), &title, chart.theme);
         ui.push_id(name, |ui| chart::plots_ui(ui, chart, &[plot]));
         ui.add(egui::Label::new(words_of(found)).wrap());
     }

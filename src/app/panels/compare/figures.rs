@@ -117,29 +117,38 @@ pub fn differences(told: &[Named], beside: &Beside, theme: &Theme) -> Vec<LinePl
     ]
 }
 
-/// Difference against mean of what two recordings have in common.
-pub fn agreement(found: &BlandAltman, of: &str, title: &str, theme: &Theme) -> LinePlot {
+/// Points of a level: so many that none is shown as a ring.
+const LEVEL: usize = 48;
+
+/// Difference against mean of what recording `i`, with the letter `who`, and the first have in common.
+pub fn agreement(
+    found: &BlandAltman,
+    (i, who): (usize, &str),
+    title: &str,
+    theme: &Theme,
+) -> LinePlot {
     let step = found.points.len().div_ceil(MOST_DOTS).max(1);
     let dots: Vec<[f64; 2]> = found.points.iter().copied().step_by(step).collect();
     let xs = found.points.iter().map(|p| p[0]);
     let (lo, hi) = xs.fold((f64::MAX, f64::MIN), |(lo, hi), x| (lo.min(x), hi.max(x)));
+    let at = |k: usize| lo + (hi - lo) * k as f64 / LEVEL as f64;
     let line = |name: &str, y: f64, mark: Mark, colour: [u8; 3]| Series {
-        name: format!("{name} {y:.3}"),
+        name: format!("{name} {y:.3} N"),
         colour,
         mark,
-        points: vec![[lo, y], [hi, y]],
+        points: (0..=LEVEL).map(|k| [at(k), y]).collect(),
     };
     let [r, g, b, _] = theme.accent.to_array();
     let accent = [r, g, b];
     let [lower, upper] = found.limits;
     LinePlot {
         title: title.to_owned(),
-        x_label: format!("mean of both, {of}"),
-        y_label: "difference B − A".into(),
+        x_label: "mean force of both (N)".into(),
+        y_label: format!("{who} − A (N)"),
         series: vec![
             Series {
-                name: format!("{} pairs", found.n),
-                colour: colour(theme, 1),
+                name: format!("{} windows", found.n),
+                colour: colour(theme, i),
                 mark: Mark::Points,
                 points: dots,
             },

@@ -172,7 +172,7 @@ pub fn ui(
         }
     });
     let Some(two) = chosen(groups) else {
-        ui.weak("Choose two different groups");
+        ui.weak("Choose two groups that differ");
         return;
     };
     let names: Vec<Named> = told.iter().map(|(_, n)| n.clone()).collect();

@@ -127,10 +127,8 @@ impl ComparePanel {
         held.work.follow(&wanted, &options, &wake(ui.ctx()));
         for read in held.work.take_read() {
             // Whoever added it by its path knew of no tags.
-            if wanted
-                .iter()
-                .any(|c| c.path == read.path && c.tags != read.tags)
-            {
+            let unknown = |c: &Compared| c.path == read.path && c.tags.is_empty();
+            if !read.tags.is_empty() && wanted.iter().any(unknown) {
                 cx.send.send(Command::Retag(read));
             }
         }

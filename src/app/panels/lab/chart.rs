@@ -2,7 +2,7 @@
 //! is.
 
 use crate::app::theme::Theme;
-use crate::figure::{CellMap, LinePlot, Mark, Scale, Series, axis_marks, axis_range};
+use crate::figure::{CellMap, LinePlot, Mark, Marks, Scale, Series, axis_marks, axis_range};
 use crate::lab::{Table, Value};
 use egui::{Color32, Pos2, Rect, RichText, Shape, Stroke, vec2};
 use egui_plot::{
@@ -47,6 +47,7 @@ pub fn plots_ui(ui: &mut egui::Ui, cx: &ChartContext<'_>, plots: &[LinePlot]) {
             labels: [&plot.x_label, &plot.y_label],
             scales: [x_scale, plot.y_scale],
             ranges: [x_range.clone(), range(series.iter(), 1, 0.06, plot.y_scale)],
+            is_counted: placed.iter().flatten().all(Placed::is_counted),
             height: PLOT_HEIGHT,
             link: Some(link),
         };
@@ -74,6 +75,7 @@ pub fn map_ui(ui: &mut egui::Ui, cx: &ChartContext<'_>, map: &CellMap) {
             ),
         ]
         .map(|r| r.start..=r.end),
+        is_counted: false,
         height: MAP_HEIGHT,
         link: None,
     };
@@ -85,6 +87,14 @@ struct Placed<'a> {
     series: &'a Series,
     /// Where a point is drawn, and its place among all points of the series.
     points: Vec<([f64; 2], usize)>,
+}
+
+impl Placed<'_> {
+    /// Dots at whole numbers along x: what is between means nothing.
+    fn is_counted(&self) -> bool {
+        let is_whole = |(at, _): &([f64; 2], usize)| at[0].fract() == 0.0;
+        self.series.mark == Mark::Joined && self.points.iter().all(is_whole)
+    }
 }
 
 fn place_all(series: &[Series], x: Scale, y: Scale) -> Vec<Placed<'_>> {
@@ -114,6 +124,8 @@ struct Frame<'a> {
     labels: [&'a str; 2],
     scales: [Scale; 2],
     ranges: [RangeInclusive<f64>; 2],
+    /// Along x things are counted.
+    is_counted: bool,
     height: f32,
     link: Option<egui::Id>,
 }
@@ -131,6 +143,7 @@ impl Frame<'_> {
         legend_ui(ui, cx, series, map);
         let [x_scale, y_scale] = self.scales;
         let [x, y] = &self.ranges;
+        let counted = self.is_counted && x_scale == Scale::Linear;
         let mut plot = Plot::new("plot")
             .height(self.height)
             .width(ui.available_width())
@@ -143,10 +156,10 @@ impl Frame<'_> {
             .x_axis_label(self.labels[0])
             .y_axis_label(self.labels[1])
             .y_axis_min_width(44.0)
-            .x_grid_spacer(move |input| grid(input, 10, x_scale))
-            .y_grid_spacer(move |input| grid(input, 6, y_scale))
-            .x_axis_formatter(move |mark, range| number_at(mark, range, 10, x_scale))
-            .y_axis_formatter(move |mark, range| number_at(mark, range, 6, y_scale))
+            .x_grid_spacer(move |input| grid(input, 10, x_scale, counted))
+            .y_grid_spacer(move |input| grid(input, 6, y_scale, false))
+            .x_axis_formatter(move |mark, range| number_at(mark, range, 10, x_scale, counted))
+            .y_axis_formatter(move |mark, range| number_at(mark, range, 6, y_scale, false))
             .show_grid(map.is_none())
             .grid_color(cx.theme.line);
         if let Some(link) = self.link {
@@ -441,10 +454,22 @@ fn contrast(a: Color32, b: Color32) -> f32 {
     (a.max(b) + 0.05) / (a.min(b) + 0.05)
 }
 
+/// The marks of an axis; where things are counted only whole numbers.
+fn marks(range: std::ops::Range<f64>, n: usize, scale: Scale, counted: bool) -> Marks {
+    let mut marks = axis_marks(range, n, scale);
+    if counted {
+        marks.major.retain(|(at, _)| (at - at.round()).abs() < 1e-9);
+        for (at, text) in &mut marks.major {
+            *text = format!("{at:.0}");
+        }
+    }
+    marks
+}
+
 /// Lines of the grid: those with a number full, those between them faint.
-fn grid(input: GridInput, n: usize, scale: Scale) -> Vec<GridMark> {
+fn grid(input: GridInput, n: usize, scale: Scale, counted: bool) -> Vec<GridMark> {
     let (from, to) = input.bounds;
-    let marks = axis_marks(from..to, n, scale);
+    let marks = marks(from..to, n, scale, counted);
     let mark = |value, step_size| GridMark { value, step_size };
     let is_major = |m: &f64| marks.major.iter().any(|(at, _)| (at - m).abs() < 1e-9);
     let minor = marks.minor.iter().copied().filter(|m| !is_major(m));
@@ -454,12 +479,18 @@ fn grid(input: GridInput, n: usize, scale: Scale) -> Vec<GridMark> {
 }
 
 /// The number at a line of the grid; none at faint ones.
-fn number_at(mark: GridMark, range: &RangeInclusive<f64>, n: usize, scale: Scale) -> String {
+fn number_at(
+    mark: GridMark,
+    range: &RangeInclusive<f64>,
+    n: usize,
+    scale: Scale,
+    counted: bool,
+) -> String {
     let (from, to) = (*range.start(), *range.end());
     if mark.step_size < 0.5 * (to - from) {
         return String::new();
     }
-    let marks = axis_marks(from..to, n, scale).major;
+    let marks = marks(from..to, n, scale, counted).major;
     let near = |(at, _): &(f64, String)| (at - mark.value).abs();
     let nearest = marks.iter().min_by(|a, b| near(a).total_cmp(&near(b)));
     nearest.map(|(_, text)| text.clone()).unwrap_or_default()
@@ -615,8 +646,8 @@ mod tests {
             bounds: (-2.2, 1.2),
             base_step_size: 0.05,
         };
-        let marks = grid(input, 10, Scale::Logarithmic);
-        let text = |m: &GridMark| number_at(*m, &(-2.2..=1.2), 10, Scale::Logarithmic);
+        let marks = grid(input, 10, Scale::Logarithmic, false);
+        let text = |m: &GridMark| number_at(*m, &(-2.2..=1.2), 10, Scale::Logarithmic, false);
         let told: Vec<String> = marks.iter().map(text).filter(|t| !t.is_empty()).collect();
         assert_eq!(told, ["0.01", "0.1", "1", "10"]);
         assert!(marks.len() > 20);
@@ -631,7 +662,10 @@ mod tests {
                 bounds,
                 base_step_size: 1.0,
             };
-            assert!(grid(input, 5, Scale::Linear).is_empty(), "{bounds:?}");
+            assert!(
+                grid(input, 5, Scale::Linear, false).is_empty(),
+                "{bounds:?}"
+            );
         }
     }
 
