@@ -27,6 +27,12 @@ pub(super) fn number(x: Option<f64>) -> String {
     text.replace('-', "\u{2212}")
 }
 
+/// A number with two decimals; what rounds to nothing has no sign.
+fn two(x: f64) -> String {
+    let x = if x.abs() < 0.005 { 0.0 } else { x };
+    format!("{x:.2}").replace('-', "\u{2212}")
+}
+
 fn interval([low, high]: [f64; 2]) -> String {
     format!("{} to {}", number(Some(low)), number(Some(high)))
 }
@@ -139,7 +145,7 @@ pub(super) fn felt(rows: &[Row]) -> Markup {
                     @let felt = row.felt.iter().find(|f| f.site == **site);
                     td title=[felt.map(presses)] {
                         (number(felt.map(|f| f.slope_n_per_mm)))
-                        @if let Some(range) = felt.and_then(|f| f.interval_n_per_mm) { " (" (interval(range)) ")" }
+                        @if let Some(range) = felt.and_then(|f| f.interval_n_per_mm) { small { (interval(range)) } }
                     }
                 }
             } } }
@@ -207,17 +213,17 @@ pub(super) fn grouped(grouped: &Grouped, edges_n: &[f64]) -> Markup {
         @if measures().next().is_none() { p { "Too few, or nothing varies: no measure can be compared." } }
         @else { div.wide { table {
             thead { tr {
-                th.text { "Measure" } th { (a) } th { (b) } th { "Difference (95 % interval)" } th { "g (95 % interval)" }
-                @if paired { th { "ICC(2,1)" } th { "ICC(3,1)" } }
+                th.text { "Measure" } th { (a) } th { (b) } th { "Difference" small { "95 % interval" } } th { "g" small { "95 % interval" } }
+                @if paired { th { "ICC(2,1)" small { "95 % interval" } } th { "ICC(3,1)" small { "95 % interval" } } }
             } }
             tbody { @for (of, metric, d) in measures() { tr {
                 td.text title=(metric.about) { (metric.heading_at(edges_n)) }
                 @for s in &d.groups { td { (number(Some(s.mean))) " ± " (number(Some(s.sd))) } }
-                td { (number(Some(d.difference))) " (" (interval(d.difference_interval)) ")" }
-                td { (format!("{:.2} ({:.2} to {:.2})", d.g, d.g_interval[0], d.g_interval[1]).replace('-', "\u{2212}")) }
+                td { (number(Some(d.difference))) small { (interval(d.difference_interval)) } }
+                td { (two(d.g)) small { (two(d.g_interval[0])) " to " (two(d.g_interval[1])) } }
                 @if paired { @for i in 0..2 { td {
                     @if let Some(icc) = of.icc.get(i) {
-                        (format!("{:.2} ({:.2} to {:.2})", icc.value, icc.interval[0], icc.interval[1]).replace('-', "\u{2212}"))
+                        (two(icc.value)) small { (two(icc.interval[0])) " to " (two(icc.interval[1])) }
                     } @else { "–" }
                 } } }
             } } }

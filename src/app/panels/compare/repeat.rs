@@ -5,6 +5,7 @@ use crate::app::bench::file_name;
 use crate::app::bench::job::Job;
 use crate::app::panels::PanelContext;
 use crate::app::panels::lab::chart::{self, ChartContext};
+use crate::app::panels::lab::choices::together;
 use crate::app::panels::lab::table::Tables;
 use crate::app::panels::partition::wake;
 use crate::app::state::{BuildStatus, Compared};
@@ -253,7 +254,7 @@ fn combo(
     why: &str,
     add: impl FnOnce(&mut egui::Ui),
 ) {
-    ui.horizontal(|ui| {
+    together(ui, name, width + 8.0, |ui| {
         ui.label(name);
         let combo = egui::ComboBox::from_id_salt(name)
             .selected_text(text)
@@ -323,7 +324,7 @@ fn summary(found: &Repeated) -> Table {
     table
 }
 
-/// Position, force and depth over time, finger by finger; of each stretch the least and the greatest.
+/// Force, depth and position over time, finger by finger; of each stretch the least and the greatest.
 fn plots(found: &Repeated, theme: &Theme) -> Vec<LinePlot> {
     let plot = |title: &str, label: &str, of: fn(&Off) -> &Thinned| {
         let series = found.fingers.iter().map(|off| {
@@ -344,9 +345,6 @@ fn plots(found: &Repeated, theme: &Theme) -> Vec<LinePlot> {
         }
     };
     vec![
-        plot("Distance of the proxies", "distance (mm)", |o| {
-            &o.position_mm
-        }),
         plot(
             "Size of the difference of the forces",
             "difference (N)",
@@ -354,6 +352,9 @@ fn plots(found: &Repeated, theme: &Theme) -> Vec<LinePlot> {
         ),
         plot("Depth less that recorded", "difference (mm)", |o| {
             &o.depth_mm
+        }),
+        plot("Distance of the proxies", "distance (mm)", |o| {
+            &o.position_mm
         }),
     ]
 }

@@ -188,7 +188,11 @@ impl Saving {
             let usual = || folder.join(FILE).display().to_string();
             let path = self.path.get_or_insert_with(usual);
             let field = ui
-                .add(egui::TextEdit::singleline(path).desired_width(300.0))
+                .add(
+                    egui::TextEdit::singleline(path)
+                        .background_color(cx.view.theme.inset)
+                        .desired_width(420.0),
+                )
                 .labelled_by(label.id)
                 .on_hover_text("Where the page is written; Enter writes it");
             let entered = field.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));

@@ -9,7 +9,7 @@
 //! | `table` | tables |
 
 pub(super) mod chart;
-mod choices;
+pub(super) mod choices;
 mod experiments;
 mod results;
 pub(super) mod table;
