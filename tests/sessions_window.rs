@@ -390,11 +390,11 @@ fn two_recordings_are_compared_with_the_right_numbers() {
     // All of it as a page.
     click(&mut harness, "Save report…");
     click(&mut harness, "Save report to file");
-    until_said(&mut harness, "report written to");
     let page = view(harness.state())
         .recorder
         .folder
         .join("comparison.html");
+    wait_for(&mut harness, "the page", |_| page.exists());
     let text = std::fs::read_to_string(&page).expect("written");
     assert!(text.contains("a_novice and b_expert") && text.matches("<svg").count() >= 4);
     assert!(view(harness.state()).parts.has(Item::Comparison));
