@@ -205,6 +205,62 @@ fn the_passivity_controller_acts_where_it_is_on_and_its_balance_is_recorded() {
     assert_eq!(report.first_difference.unwrap().finger, 1);
 }
 
+/// The stiffness of the sheet rises along x, so that the clamp acts here and there; the passivity controller beside it.
+#[test]
+fn a_run_rendered_softer_than_it_is_replays_bit_for_bit_and_tells_when() {
+    let limits = [
+        Limits {
+            stiffness: StiffnessBound::scaled(2.0, 1.2),
+            ..LIMITS
+        },
+        Limits {
+            stiffness: StiffnessBound::clamped(0.5),
+            ..PASSIVE
+        },
+    ];
+    let header = Header {
+        devices: limits.map(|l| DeviceInfo::new("Scripted", &l)).to_vec(),
+        ..header()
+    };
+    let softer = |header: &Header| Rig::new(Box::new(scene(0.2)), header.limits());
+    let mut rig = softer(&header);
+    let run: Vec<_> = (0..1500).map(|i| tick(&mut rig, &input(i), DT_S)).collect();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("soft.mcap");
+    let mut writer = SessionWriter::create(&path, &header, IfExists::Refuse).unwrap();
+    for finger in run.iter().flat_map(TickRecord::fingers) {
+        writer.write(finger).unwrap();
+    }
+    writer.finish().unwrap();
+    let session = Session::open(&path).unwrap();
+    assert_eq!(session.header().limits(), header.limits());
+    let report = check(&session, softer(session.header()), Strictness::Strict).unwrap();
+    assert!(report.is_bit_exact(), "{:?}", report.first_difference);
+    // As it is, it is another run.
+    let stiff = Rig::new(Box::new(scene(0.2)), [LIMITS, PASSIVE, LIMITS, LIMITS]);
+    let report = check(&session, stiff, Strictness::Strict).unwrap();
+    assert!(!report.is_bit_exact());
+    // F = min(k, k_max) d and F = factor k d, where nothing else acted.
+    let mut seen = [0; 2];
+    for r in run.iter().flat_map(TickRecord::fingers) {
+        let k = r.contact.stiffness_n_per_mm;
+        let touching = r.contact.touch != Touch::Free;
+        let softer = if r.finger == 0 {
+            0.6
+        } else {
+            (0.5 / k).min(1.0)
+        };
+        let acts = touching && softer < 1.0;
+        assert_eq!(r.limits.has(LimitFlags::STIFFNESS), acts, "tick {}", r.tick);
+        if r.limits == LimitFlags::STIFFNESS {
+            let expected = r.contact.force_n * softer;
+            assert!((r.sent_force_n - expected).length() < 1e-12);
+            seen[usize::from(r.finger)] += 1;
+        }
+    }
+    assert!(seen.iter().all(|n| *n > 50), "{seen:?}");
+}
+
 #[test]
 fn a_recording_that_starts_in_the_middle_replays_from_there() {
     for start in [1, 333, 500, 605, 701, 1200] {

@@ -34,6 +34,8 @@ pub mod velocity;
 pub mod vitals;
 
 #[cfg(test)]
+mod chain;
+#[cfg(test)]
 mod tests {
     use super::report::{spacemouse, teensy, wooden};
 
