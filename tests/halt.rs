@@ -8,7 +8,7 @@ use dorsum::device::{Capabilities, Device, Reading};
 use dorsum::geom::Vec3;
 use dorsum::partition::bvh::Bvh;
 use dorsum::servo::{self, Halt, Rig, ServoConfig};
-use dorsum::session::{Session, Strictness, check};
+use dorsum::session::{Session, Strictness};
 use dorsum::surface::{RawMesh, Surface};
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
@@ -40,7 +40,7 @@ fn until(what: &str, mut holds: impl FnMut() -> bool) {
 /// Starts a run that records into `file`, lets it record a good while, sends `signal`; what it said.
 fn halted_by(signal: Signal, file: &Path, how: &[&str]) -> Output {
     let file_name = file.to_str().unwrap();
-    let common = ["--json", "run", EXAMPLE, "--record", file_name];
+    let common = ["run", EXAMPLE, "--json", "--record", file_name];
     let child = dorsum(&[&common, how].concat());
     let size = || std::fs::metadata(file).map_or(0, |m| m.len());
     until("nothing was recorded", || size() > 300_000);
@@ -58,7 +58,7 @@ fn is_whole(file: &Path) -> u64 {
     let session = Session::open(file).unwrap();
     let load = session.load(Strictness::Strict).unwrap();
     assert!(!load.fingers[0].is_empty());
-    let output = dorsum(&["--json", "replay", file.to_str().unwrap(), "--check"]);
+    let output = dorsum(&["replay", file.to_str().unwrap(), "--check", "--json"]);
     let output = output.wait_with_output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(0), "{said}");
@@ -99,7 +99,7 @@ fn each_signal_has_its_own_exit_code() {
 fn a_device_that_is_pulled_out_ends_the_run_with_a_whole_recording() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("unplugged.mcap");
-    let words = ["--json", "run", EXAMPLE, "--emulator", "woodenhaptics"];
+    let words = ["run", EXAMPLE, "--json", "--emulator", "woodenhaptics"];
     let fault = ["--fault", "unplugged", "--seconds", "30"];
     let record = ["--record", file.to_str().unwrap()];
     let output = dorsum(&[&words[..], &fault, &record].concat());
