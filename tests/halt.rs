@@ -199,14 +199,12 @@ fn a_panic_on_any_thread_ends_every_servo_and_a_tolerated_one_does_not() {
             calls.iter().rfind(|c| matches!(c, Call::Enable(_))) == Some(&Call::Enable(on))
         });
     }
-    let tolerated = std::thread::spawn(|| servo::tolerate(|| panic!("a test panics on purpose")));
+    let panics = || -> () { panic!("a test panics on purpose") };
+    let named = || std::thread::Builder::new().name("panics".into());
+    let tolerated = named().spawn(move || servo::tolerate(panics)).unwrap();
     assert!(tolerated.join().is_err());
     assert_eq!(servo::halted(), None);
-    assert!(
-        std::thread::spawn(|| panic!("a test panics on purpose"))
-            .join()
-            .is_err()
-    );
+    assert!(named().spawn(panics).unwrap().join().is_err());
     assert_eq!(servo::halted(), Some(Halt::Panicked));
     until("never ended", || servo.has_ended());
     {
