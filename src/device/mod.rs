@@ -14,6 +14,7 @@ pub mod place;
 pub mod plug;
 pub mod push;
 pub mod replay;
+pub mod rumble;
 pub mod scripted;
 pub mod seat;
 pub mod stable;

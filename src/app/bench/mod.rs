@@ -16,6 +16,7 @@ mod past;
 mod recording;
 mod replay;
 mod rewriting;
+mod rumbling;
 
 pub use builder::{Source, file_name};
 pub use exercise::{Unfinished, Wish, unfinished};
@@ -113,6 +114,8 @@ pub struct Bench {
     devices: Devices,
     /// Shown until there is a servo.
     no_history: Arc<Mutex<History>>,
+    /// A gamepad that tells of force; absent until there was some.
+    indicator: Option<crate::device::rumble::Indicator>,
     recordings: Recordings,
     /// The recorder's last failure, told once.
     failure: Option<String>,
@@ -156,6 +159,7 @@ impl Bench {
             live: None,
             devices: Devices::default(),
             no_history: Arc::default(),
+            indicator: None,
             recordings: Recordings::new(folder),
             failure: None,
             opening: None,
@@ -266,6 +270,7 @@ impl Bench {
         changed |= self.poll_rewriting();
         changed |= self.poll_saving();
         changed |= self.poll_live();
+        self.rumble();
         changed |= self.poll_devices();
         changed |= self.poll_halt();
         changed |= self.poll_edits();
