@@ -8,7 +8,7 @@
 
 use dorsum::device::hid::check::{self, Checked, Trial};
 use dorsum::device::hid::emulator::process::{Emulated, Request, families, family};
-use dorsum::device::hid::emulator::{Fault, Outcome};
+use dorsum::device::hid::emulator::{Fault, Hand, Outcome};
 use dorsum::device::hid::guard::Condition;
 use dorsum::device::{Device as _, Family as _};
 use dorsum::geom::Vec3;
@@ -21,11 +21,15 @@ const BUSY_MS: f64 = 250.0;
 fn pressed(key: &str, fault: Option<Fault>, delay_ms: u16) -> (Checked, Outcome) {
     let arms = family(key).unwrap();
     let request = Request {
-        family: arms.key(),
         seconds: 60.0,
-        press_mm: 8.0,
+        hand: match fault {
+            // A press that the machine held up is followed by another.
+            Some(_) => Hand::Insist { depth_mm: 8.0 },
+            None => Hand::Press { depth_mm: 8.0 },
+        },
         delay_ms,
         fault,
+        ..Request::press(arms.key())
     };
     let program = Path::new(env!("CARGO_BIN_EXE_dorsum"));
     let (emulator, port) = Emulated::spawn(program, &request).unwrap();
@@ -35,7 +39,7 @@ fn pressed(key: &str, fault: Option<Fault>, delay_ms: u16) -> (Checked, Outcome)
         calibration.guards.silence_ms = 100.0;
         calibration.guards.command_timeout_ms = 100.0;
     }
-    let mut device = arms.open_port(Box::new(port), &calibration).unwrap();
+    let mut device = arms.open_port(port, &calibration).unwrap();
     let trial = Trial {
         seconds: 2.5,
         rate_hz: 1000.0,

@@ -242,19 +242,17 @@ impl HandsArgs {
             })?),
         };
         let request = Request {
-            family: arms.key(),
             // It is to be there until the host goes.
             seconds: self.seconds + 60.0,
-            press_mm: 6.0,
-            delay_ms: 0,
             fault,
+            ..Request::press(arms.key())
         };
         let program = std::env::current_exe().map_err(CliError::input)?;
         let (emulated, port) = Emulated::spawn(&program, &request).map_err(CliError::input)?;
         let mut calibration = self.calibration(arms, None)?;
         lay(&mut calibration, scene, place);
         let device = arms
-            .open_port(Box::new(port), &calibration)
+            .open_port(port, &calibration)
             .map_err(CliError::input)?;
         let hand = Hand {
             emulated: Some(emulated),

@@ -21,7 +21,7 @@ pub struct DevicesArgs {
     /// Try the loop with an emulated device of this family, which a simulated hand presses into a plane of skin.
     #[arg(long, value_name = "FAMILY")]
     emulator: Option<String>,
-    /// What goes wrong with the emulated device once it is pressed: unplugged, frozen, silent, jump, short, slow, reversed.
+    /// What goes wrong with the emulated device once it is pressed: unplugged, frozen, silent, jump, extreme, short, slow, reversed.
     #[arg(long, value_name = "FAULT", requires = "emulator")]
     fault: Option<String>,
     /// How long the loop is tried, s.
@@ -266,16 +266,14 @@ fn emulated(key: &str, args: &DevicesArgs, json: bool) -> Result<Outcome, CliErr
     };
     let program = std::env::current_exe().map_err(CliError::input)?;
     let request = Request {
-        family: arms.key(),
         // It is to be there until the host goes.
         seconds: args.seconds + 60.0,
-        press_mm: 6.0,
-        delay_ms: 0,
         fault,
+        ..Request::press(arms.key())
     };
     let (emulator, port) = Emulated::spawn(&program, &request).map_err(CliError::input)?;
     let mut device = arms
-        .open_port(Box::new(port), &arms.defaults())
+        .open_port(port, &arms.defaults())
         .map_err(CliError::input)?;
     let checked = tick(&mut device, args.seconds, SKIN_N_PER_MM);
     let nominal_hz = device.capabilities().report_rate_hz;
@@ -362,6 +360,12 @@ fn show(families: &[PrintedFamily], tested: bool) {
                 show_test(test);
             }
         }
+    }
+    for gamepad in crate::device::rumble::find() {
+        print(format_args!(
+            "Force indicator: {}, {}: rumbles with the force, renders none",
+            gamepad.title, gamepad.place
+        ));
     }
     if tested && families.iter().all(|f| f.found.is_empty()) {
         print(

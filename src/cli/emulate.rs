@@ -2,25 +2,24 @@
 
 use super::{CliError, Outcome};
 
-/// What is emulated: family, seconds, depth of the press in mm, delay in ms and, if wanted, a fault.
+/// What is emulated, as JSON.
 #[derive(Debug, clap::Args)]
 pub struct EmulateArgs {
-    #[arg(allow_negative_numbers = true)]
-    words: Vec<String>,
+    request: String,
 }
 
-/// Serves the socket on standard input and prints what it came to.
+/// Serves the wire on standard input and prints what it came to.
 ///
 /// # Errors
-/// The words are wrong, or there is no socket.
+/// The request is wrong, or there is no wire.
 #[cfg(target_os = "linux")]
 pub fn run(args: &EmulateArgs) -> Result<Outcome, CliError> {
     use crate::device::hid::emulator::process::serve_stdin;
-    super::print(serve_stdin(&args.words).map_err(CliError::input)?);
+    super::print(serve_stdin(&args.request).map_err(CliError::input)?);
     Ok(Outcome::Done)
 }
 
-/// There is no such socket here.
+/// There is no such wire here.
 ///
 /// # Errors
 /// Always.
@@ -28,6 +27,6 @@ pub fn run(args: &EmulateArgs) -> Result<Outcome, CliError> {
 pub fn run(args: &EmulateArgs) -> Result<Outcome, CliError> {
     Err(CliError::input(format_args!(
         "{}: emulated devices need Linux",
-        args.words.join(" ")
+        args.request
     )))
 }

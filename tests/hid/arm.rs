@@ -9,7 +9,7 @@ use std::thread;
 use std::time::Duration;
 
 use dorsum::device::Family as _;
-use dorsum::device::hid::emulator::{self, Mechanics, Options, Outcome};
+use dorsum::device::hid::emulator::{self, Hand, Mechanics, Options, Outcome};
 use dorsum::device::hid::transport::{Gone, Port, REPORT};
 
 use crate::board::Fault;
@@ -53,7 +53,7 @@ pub fn arm(arguments: &[String]) -> Result<(), String> {
         );
     };
     let kind = kinds::named(key)?;
-    let press_mm = press_mm
+    let depth_mm = press_mm
         .parse()
         .map_err(|error| format!("press '{press_mm}': {error}"))?;
     let fault = Fault::ALL
@@ -69,10 +69,11 @@ pub fn arm(arguments: &[String]) -> Result<(), String> {
         protocol: family.protocol,
         arm,
         mechanics: Mechanics::default(),
-        press_mm,
+        hand: Hand::Press { depth_mm },
         delay_ms: 0,
         fault: emulator::Fault::by_key(trouble),
         seconds: 60.0,
+        keeps_truth: false,
     };
 
     let uhid = Arc::new(Uhid::new().map_err(|error| format!("/dev/uhid: {error}"))?);
@@ -107,7 +108,7 @@ pub fn arm(arguments: &[String]) -> Result<(), String> {
         uhid: Arc::clone(&uhid),
         reports,
     };
-    let outcome = emulator::serve(port, &options, &stop);
+    let (outcome, _) = emulator::serve(port, &options, &stop);
     uhid.unplug().map_err(|error| format!("unplug: {error}"))?;
     println!(
         "{}",

@@ -10,6 +10,7 @@
 //! | [`velocity`] | how fast it moves, out of encoder steps |
 //! | [`guard`] | when the force must go |
 //! | [`transport`] | the wire |
+//! | `line` | reports over a line of bytes (Linux) |
 //! | [`link`] | the thread between wire and servo |
 //! | [`emulator`] | a device that is not there, for tests |
 //! | [`check`] | does the loop hold |
@@ -24,6 +25,8 @@ pub mod check;
 pub mod driver;
 pub mod emulator;
 pub mod guard;
+#[cfg(target_os = "linux")]
+pub mod line;
 pub mod link;
 pub mod models;
 pub mod output;

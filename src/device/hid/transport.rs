@@ -33,6 +33,16 @@ pub trait Port: Send {
     }
 }
 
+impl Port for Box<dyn Port> {
+    fn read(&mut self, into: &mut [u8; REPORT], wait_ms: u16) -> Result<usize, Gone> {
+        (**self).read(into, wait_ms)
+    }
+
+    fn write(&mut self, report: &[u8]) -> Result<(), Gone> {
+        (**self).write(report)
+    }
+}
+
 /// A device reached through the system's HID.
 pub struct HidPort {
     device: hidapi::HidDevice,

@@ -71,7 +71,7 @@ pub struct Vitals {
 }
 
 /// What [`Vitals`] counted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, Default)]
 pub struct Counts {
     /// Reports understood.
     pub reports: u64,

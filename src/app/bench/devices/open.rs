@@ -128,8 +128,6 @@ mod emulator {
 
     /// It is to be there for as long as the window is.
     const SECONDS: f64 = 86_400.0;
-    /// How deep under the middle of its workspace its hand presses, mm.
-    const PRESS_MM: f64 = 6.0;
 
     /// Starts the simulated device and opens it.
     ///
@@ -142,17 +140,15 @@ mod emulator {
         let arms = family(order.found.family)?;
         let program = std::env::current_exe().map_err(DeviceError::new)?;
         let request = Request {
-            family: arms.key(),
             seconds: SECONDS,
-            press_mm: PRESS_MM,
-            delay_ms: 0,
             fault: order.fault.and_then(Fault::by_key),
+            ..Request::press(arms.key())
         };
         let (emulator, port) = Emulated::spawn(&program, &request)?;
         let mut named = calibration.clone();
         let name = calibration.name.as_deref().unwrap_or(arms.title());
         named.name = Some(format!("{name} (emulated)"));
-        let device = arms.open_port(Box::new(port), &named)?;
+        let device = arms.open_port(port, &named)?;
         Ok((Box::new(device), emulator))
     }
 }

@@ -89,7 +89,11 @@ impl Plant {
 
     /// The force that the currents that flow make at the tip, N.
     pub fn force_n(&self) -> Vec3 {
-        let mut currents = self.currents_a;
+        self.force_of_n(self.currents_a)
+    }
+
+    /// The force that these currents, A, would make at the tip, N.
+    pub fn force_of_n(&self, mut currents: [f64; 3]) -> Vec3 {
         if let Some(a) = self.reversed.and_then(|i| currents.get_mut(i)) {
             *a *= REVERSED;
         }

@@ -1,28 +1,101 @@
-//! The emulator as a process of its own: its socket is handed over as standard input, its outcome comes on standard output.
+//! The emulator as a process of its own: its wire is handed over as standard input, its outcome comes on standard output.
 
-use super::{Fault, Mechanics, Options, Outcome, SUBCOMMAND, serve};
+use super::{Fault, Hand, Mechanics, Options, Outcome, SUBCOMMAND, serve, truth};
 use crate::device::hid::arms::{Arms, POLHEM, TEENSY, WOODEN};
-use crate::device::hid::transport::SocketPort;
+use crate::device::hid::line::LinePort;
+use crate::device::hid::transport::{Port, SocketPort};
 use crate::device::{DeviceError, Family as _};
+use serde::{Deserialize, Serialize};
 use std::io::Read as _;
-use std::os::fd::AsFd as _;
-use std::path::Path;
+use std::os::fd::{AsFd as _, OwnedFd};
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::AtomicBool;
 
-/// What the process is asked for: words of its command line.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What lies between program and device.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Wire {
+    /// A socket that keeps reports whole, as HID does.
+    #[default]
+    Socket,
+    /// A pseudo-terminal: a line of bytes, as a serial port is.
+    Terminal,
+}
+
+impl Wire {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Socket, Self::Terminal];
+
+    /// For people.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Socket => "socket pair",
+            Self::Terminal => "pseudo-terminal",
+        }
+    }
+
+    /// Both ends of a new one: the program's, then the device's.
+    ///
+    /// # Errors
+    /// The system gives none.
+    pub fn pair(self) -> std::io::Result<(OwnedFd, OwnedFd)> {
+        Ok(match self {
+            Self::Socket => {
+                let (host, board) = SocketPort::pair()?;
+                (host.into_fd(), board.into_fd())
+            }
+            Self::Terminal => {
+                let (host, board) = LinePort::pair()?;
+                (host.into_fd(), board.into_fd())
+            }
+        })
+    }
+
+    /// The port at an end of one.
+    ///
+    /// # Errors
+    /// It is of another kind.
+    pub fn port(self, fd: OwnedFd) -> std::io::Result<Box<dyn Port>> {
+        Ok(match self {
+            Self::Socket => Box::new(SocketPort::from_fd(fd)),
+            Self::Terminal => Box::new(LinePort::from_fd(fd)?),
+        })
+    }
+}
+
+/// What the process is asked for: its command line holds it as JSON.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Request {
     /// Key of the family.
-    pub family: &'static str,
+    pub family: String,
+    /// What lies between it and the program.
+    pub wire: Wire,
     /// How long it lives, s.
     pub seconds: f64,
-    /// How deep the hand presses, mm.
-    pub press_mm: f64,
+    /// What the hand does.
+    pub hand: Hand,
     /// How late its reports come, ms.
     pub delay_ms: u16,
     /// What goes wrong.
     pub fault: Option<Fault>,
+    /// Where it writes the truth of every millisecond when it ends; absent: nowhere.
+    pub truth: Option<PathBuf>,
+}
+
+impl Request {
+    /// A hand that presses an arm of this family 6 mm deep for up to an hour over a socket; nothing goes wrong.
+    pub fn press(family: &str) -> Self {
+        Self {
+            family: family.into(),
+            wire: Wire::Socket,
+            seconds: 3600.0,
+            hand: Hand::Press { depth_mm: 6.0 },
+            delay_ms: 0,
+            fault: None,
+            truth: None,
+        }
+    }
 }
 
 /// The families that can be emulated.
@@ -49,24 +122,30 @@ pub struct Emulated {
 }
 
 impl Emulated {
-    /// Starts `program`, which is this one, as an emulator; the host's end of its socket.
+    /// Starts `program`, which is this one, as an emulator; the program's end of its wire.
     ///
     /// # Errors
-    /// The system gives no socket or no process.
-    pub fn spawn(program: &Path, request: &Request) -> Result<(Self, SocketPort), DeviceError> {
-        let fail = |e: std::io::Error| DeviceError::new(format!("no emulator: {e}"));
-        let (host, board) = SocketPort::pair().map_err(fail)?;
-        let mut command = Command::new(program);
-        command
-            .args([SUBCOMMAND, request.family])
-            .arg(request.seconds.to_string())
-            .arg(request.press_mm.to_string())
-            .arg(request.delay_ms.to_string())
-            .args(request.fault.map(Fault::key))
-            .stdin(Stdio::from(board.into_fd()))
+    /// The system gives no wire or no process.
+    pub fn spawn(program: &Path, request: &Request) -> Result<(Self, Box<dyn Port>), DeviceError> {
+        let (emulated, fd) = Self::spawn_raw(program, request)?;
+        let port = request.wire.port(fd).map_err(no_emulator)?;
+        Ok((emulated, port))
+    }
+
+    /// As [`spawn`](Self::spawn), with an end of the wire that can be handed to another process.
+    ///
+    /// # Errors
+    /// The system gives no wire or no process.
+    pub fn spawn_raw(program: &Path, request: &Request) -> Result<(Self, OwnedFd), DeviceError> {
+        let (host, board) = request.wire.pair().map_err(no_emulator)?;
+        let words = serde_json::to_string(request).map_err(no_emulator)?;
+        let child = Command::new(program)
+            .args([SUBCOMMAND, &words])
+            .stdin(Stdio::from(board))
             .stdout(Stdio::piped())
-            .stderr(Stdio::inherit());
-        let child = command.spawn().map_err(fail)?;
+            .stderr(Stdio::inherit())
+            .spawn()
+            .map_err(no_emulator)?;
         Ok((Self { child }, host))
     }
 
@@ -93,43 +172,53 @@ impl Drop for Emulated {
     }
 }
 
-/// Is the emulator: serves the socket on standard input as the words of the command line ask, and gives its outcome as JSON.
+fn no_emulator(e: impl std::fmt::Display) -> DeviceError {
+    DeviceError::new(format!("no emulator: {e}"))
+}
+
+/// Is the emulator: serves the wire on standard input as `request`, JSON, asks, and gives its outcome as JSON.
 ///
 /// # Errors
-/// The words are wrong, or standard input is no socket.
-pub fn serve_stdin(words: &[String]) -> Result<String, DeviceError> {
-    let number = |i: usize, least: f64, most: f64| {
-        let text = words.get(i).map_or("", String::as_str);
-        let number = text.parse().ok().filter(|x| (least..=most).contains(x));
-        number.ok_or_else(|| {
-            DeviceError::new(format!(
-                "\"{text}\"; a number from {least} to {most} is needed"
-            ))
-        })
+/// The request is wrong, or standard input is no such wire.
+pub fn serve_stdin(request: &str) -> Result<String, DeviceError> {
+    let request: Request = serde_json::from_str(request)
+        .map_err(|e| DeviceError::new(format!("no request for an emulator: {e}")))?;
+    let within = |what: &str, x: f64, least: f64, most: f64| {
+        if (least..=most).contains(&x) {
+            Ok(x)
+        } else {
+            Err(DeviceError::new(format!(
+                "{what} {x}; {least} to {most} is allowed"
+            )))
+        }
     };
-    let arms = family(words.first().map_or("", String::as_str))?;
-    let fault = match words.get(4) {
-        None => None,
-        Some(key) => Some(Fault::by_key(key).ok_or_else(|| {
-            let keys = Fault::ALL.map(Fault::key).join(", ");
-            DeviceError::new(format!("no fault \"{key}\"; there are {keys}"))
-        })?),
-    };
+    let arms = family(&request.family)?;
     let Some(arm) = arms.defaults().arm else {
         return Err(DeviceError::new("no arm"));
     };
+    within("depth_mm", request.hand.depth_mm(), -20.0, 50.0)?;
+    within("delay_ms", request.delay_ms.into(), 0.0, 100.0)?;
     let options = Options {
         protocol: arms.protocol,
         arm,
         mechanics: Mechanics::default(),
-        press_mm: number(2, -20.0, 50.0)?,
-        delay_ms: number(3, 0.0, 100.0)? as u16,
-        fault,
-        seconds: number(1, 0.0, 86_400.0)?,
+        hand: request.hand,
+        delay_ms: request.delay_ms,
+        fault: request.fault,
+        seconds: within("seconds", request.seconds, 0.0, 86_400.0)?,
+        keeps_truth: request.truth.is_some(),
     };
+    // Standard input stays open for as long as the process lives; only its end closes the wire.
     let fd = std::io::stdin().as_fd().try_clone_to_owned();
-    let fd = fd.map_err(DeviceError::new)?;
-    // Standard input stays open for as long as the process lives; only its end closes the socket.
-    let outcome = serve(SocketPort::from_fd(fd), &options, &AtomicBool::new(false));
+    let port = fd.and_then(|fd| request.wire.port(fd));
+    let (outcome, truths) = serve(
+        port.map_err(DeviceError::new)?,
+        &options,
+        &AtomicBool::new(false),
+    );
+    if let Some(path) = &request.truth {
+        truth::write(path, &truths)
+            .map_err(|e| DeviceError::new(format!("{}: {e}", path.display())))?;
+    }
     serde_json::to_string(&outcome).map_err(DeviceError::new)
 }
