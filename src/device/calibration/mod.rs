@@ -64,12 +64,13 @@ pub struct Guards {
 }
 
 impl Default for Guards {
-    /// A palpating hand stays below 1 m/s; a free arm thrown by hand reaches 3.
+    /// A palpating hand stays below 1 m/s; a free arm thrown by hand reaches 3. The force is to be gone 10 ms after a fault: 8 ms
+    /// leave the link and the wire a millisecond each to do it.
     fn default() -> Self {
         Self {
-            command_timeout_ms: 10.0,
-            silence_ms: 10.0,
-            frozen_ms: 10.0,
+            command_timeout_ms: 8.0,
+            silence_ms: 8.0,
+            frozen_ms: 8.0,
             jump_mm: 5.0,
             max_speed_mm_s: 3000.0,
             against_force_mm_s: 400.0,

@@ -299,9 +299,9 @@ mod tests {
         assert!(!g.may_push());
         g.hear(at(0.0, 0.0, 0));
         assert!(g.may_push());
-        g.look(0.010);
+        g.look(0.008);
         assert!(g.may_push());
-        g.look(0.0101);
+        g.look(0.0081);
         assert_eq!(g.condition(), Condition::Silent);
         // It moved meanwhile, far; that is no jump.
         g.hear(at(500.0, 200.0, 1));
@@ -324,7 +324,7 @@ mod tests {
                 frozen_at.get_or_insert(ms);
             }
         }
-        assert_eq!((g.condition(), frozen_at), (Condition::Frozen, Some(110)));
+        assert_eq!((g.condition(), frozen_at), (Condition::Frozen, Some(108)));
         g.hear(at(200.0, 1.0, 100));
         assert!(g.may_push());
     }
