@@ -9,6 +9,8 @@ use std::path::PathBuf;
 pub fn offer() {
     if let Ok(program) = std::env::current_exe() {
         pruning::counted_by(program.clone());
+        #[cfg(target_os = "linux")]
+        crate::lab::devices::played_by(program.clone());
         session::damage::killed_in(program);
     }
 }
@@ -39,4 +41,32 @@ pub struct KilledArgs {
 pub fn record(args: &KilledArgs) -> Result<Outcome, CliError> {
     session::damage::record_until_killed(&args.file).map_err(CliError::input)?;
     Ok(Outcome::Done)
+}
+
+/// What is pressed, as JSON.
+#[derive(Debug, clap::Args)]
+pub struct PressArgs {
+    order: String,
+}
+
+/// Presses the emulated device on standard input.
+///
+/// # Errors
+/// The order is wrong, or something that the press needs is refused.
+#[cfg(target_os = "linux")]
+pub fn press(args: &PressArgs) -> Result<Outcome, CliError> {
+    crate::lab::devices::press_stdin(&args.order).map_err(CliError::input)?;
+    Ok(Outcome::Done)
+}
+
+/// There are no emulated devices here.
+///
+/// # Errors
+/// Always.
+#[cfg(not(target_os = "linux"))]
+pub fn press(args: &PressArgs) -> Result<Outcome, CliError> {
+    let order = &args.order;
+    Err(CliError::input(format!(
+        "{order}: emulated devices need Linux"
+    )))
 }

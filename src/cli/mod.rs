@@ -122,6 +122,9 @@ enum Command {
     /// Record until killed, for `lab session-damage`; the lab starts it.
     #[command(name = crate::lab::session::damage::SUBCOMMAND, hide = true)]
     Record(count::KilledArgs),
+    /// Press an emulated device, for `lab device-faults`; the lab starts it.
+    #[command(name = "press-device", hide = true)]
+    Press(count::PressArgs),
 }
 
 /// Prints a line, or several, on stdout. Whoever closed the pipe has read enough: that is no error.
@@ -176,6 +179,7 @@ pub fn main() -> u8 {
         Some(Command::Emulate(args)) => emulate::run(args),
         Some(Command::Count) => count::run(),
         Some(Command::Record(args)) => count::record(args),
+        Some(Command::Press(args)) => count::press(args),
     };
     match outcome {
         Ok(Outcome::Done) => 0,

@@ -10,6 +10,8 @@ mod clock;
 pub mod cohort;
 pub mod contact;
 pub mod deform;
+#[cfg(target_os = "linux")]
+pub mod devices;
 mod document;
 pub mod error;
 pub mod html;
@@ -63,6 +65,10 @@ pub fn all() -> &'static [&'static dyn Experiment] {
         &stability::Integrators,
         &training::TrainingObserver,
         &cohort::SessionCohort,
+        #[cfg(target_os = "linux")]
+        &devices::DeviceFaults,
+        #[cfg(target_os = "linux")]
+        &devices::DeviceLoop,
     ]
 }
 
