@@ -92,6 +92,8 @@ pub struct Pushed {
     running: Option<(u64, f64)>,
     /// The force at its top, N.
     top_n: Vec3,
+    /// Whether force is switched on.
+    on: bool,
 }
 
 impl Pushed {
@@ -109,6 +111,7 @@ impl Pushed {
             push: push.clone(),
             running: None,
             top_n: Vec3::ZERO,
+            on: false,
         }
     }
 
@@ -124,6 +127,10 @@ impl Pushed {
             self.end();
         }
         let new = asked % 2 == 1 && self.push.shared.ended.load(Ordering::Acquire) != asked;
+        if new && !self.on {
+            self.push.shared.ended.store(asked, Ordering::Release);
+            return;
+        }
         if self.running.is_none()
             && new
             && let Some(force_n) = self.push.force_n.try_get()
@@ -177,6 +184,7 @@ impl Device for Pushed {
     }
 
     fn enable(&mut self, on: bool) {
+        self.on = on;
         if !on {
             self.end();
         }
@@ -229,7 +237,9 @@ mod tests {
         told.lock().expect("lock").reading.connected = true;
         let device = Puppet(Capabilities::ideal("Puppet", 8.0), told.clone());
         let push = Push::default();
-        (Pushed::new(Box::new(device), &push), push, told)
+        let mut pushed = Pushed::new(Box::new(device), &push);
+        pushed.enable(true);
+        (pushed, push, told)
     }
 
     fn sent(device: &mut Pushed, told: &Mutex<Told>, skin_n: Vec3) -> Vec3 {
@@ -304,6 +314,20 @@ mod tests {
             }
             assert_eq!(push.state(), None, "{i}");
         }
+    }
+
+    #[test]
+    fn a_test_asked_for_while_force_is_off_never_begins() {
+        let (mut device, push, told) = puppet();
+        device.enable(false);
+        push.begin(Vec3::Z);
+        for on in [false, true] {
+            device.enable(on);
+            for _ in 0..2000 {
+                assert_eq!(sent(&mut device, &told, Vec3::ZERO), Vec3::ZERO);
+            }
+        }
+        assert_eq!(push.state(), None);
     }
 
     #[test]

@@ -40,10 +40,13 @@ pub struct Seat {
 impl Seat {
     /// Sits over `scene`.
     pub fn over(&self, scene: &Scene, finger: usize) {
+        self.place.set(self.over_mm(scene, finger));
+    }
+
+    fn over_mm(&self, scene: &Scene, finger: usize) -> Vec3 {
         let rest = rest_mm(scene, finger);
         let skin_mm = scene.height_mm(rest.x, rest.y).unwrap_or(rest.z);
-        self.place
-            .set(Vec3::new(rest.x, rest.y, skin_mm + self.above_mm));
+        Vec3::new(rest.x, rest.y, skin_mm + self.above_mm)
     }
 }
 
@@ -233,17 +236,19 @@ impl Live {
         }
     }
 
-    /// Has the device of a finger sit so that it is now where it rests over `scene`.
-    pub fn recentre(&mut self, finger: usize, scene: &Scene) {
+    /// Has the device of a finger sit so that it is now where it rests over `scene`; whether it could.
+    pub fn recentre(&mut self, finger: usize, scene: &Scene) -> bool {
         let Some(Mover::Device(Some(seat))) = self.fingers.get(finger).map(|f| &f.mover) else {
-            return;
+            return false;
         };
         let shown = self.snapshot.record.fingers().get(finger);
-        if let Some(reading) = shown.map(|r| r.reading).filter(|r| r.is_usable()) {
-            let moved_mm = reading.position_mm - seat.place.get();
-            seat.over(scene, finger);
-            seat.place.set(seat.place.get() - moved_mm);
-        }
+        let Some(reading) = shown.map(|r| r.reading).filter(|r| r.is_usable()) else {
+            return false;
+        };
+        let moved_mm = reading.position_mm - seat.place.get();
+        // In one step: the servo may look in between.
+        seat.place.set(seat.over_mm(scene, finger) - moved_mm);
+        true
     }
 
     /// Lets the servo go over to an edit of the scene; the fingers stay where they are.

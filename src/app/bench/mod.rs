@@ -405,7 +405,10 @@ impl Bench {
                 Some(Fault::Panicked) => "A device failed and was closed. Force is zero",
                 None => "A device does not answer. Force is zero",
             };
-            if live.fault().is_some() || !self.devices.tell_themselves() {
+            let mut fingers = after.record.fingers().iter().enumerate();
+            let untold =
+                fingers.any(|(i, f)| !f.reading.is_usable() && !self.devices.tells_itself(i));
+            if live.fault().is_some() || untold {
                 self.tell(Level::Error, text);
             }
         }

@@ -90,8 +90,8 @@ impl Choices {
 
 /// The finger that a device takes when it is plugged in; `None`: it waits to be asked for.
 ///
-/// One that was chosen for is where it was, if that finger is free. Others take a free finger, the one that their file names
-/// before others; a device without force waits, since many lie on desks for other work.
+/// One that was chosen for is where it was, if that finger is free. Others, and a twin of one that took its finger, take a free
+/// one, that which their file names before others; a device without force waits, since many lie on desks for other work.
 pub fn finger_for(
     chosen: Option<&Choice>,
     named: usize,
@@ -99,11 +99,15 @@ pub fn finger_for(
     free: &[bool],
 ) -> Option<usize> {
     let is_free = |finger: usize| free.get(finger).copied().unwrap_or(false);
-    match chosen {
-        Some(choice) => choice.finger.filter(|f| is_free(*f)),
-        None if !has_force => None,
-        None if is_free(named) => Some(named),
-        None => free.iter().position(|free| *free),
+    let wanted = match chosen {
+        Some(choice) => choice.finger?,
+        None if !has_force => return None,
+        None => named,
+    };
+    if is_free(wanted) {
+        Some(wanted)
+    } else {
+        free.iter().position(|free| *free)
     }
 }
 
@@ -142,10 +146,8 @@ mod tests {
         assert_eq!(finger_for(None, 7, true, &both), Some(0));
         assert_eq!(finger_for(None, 0, false, &both), None, "no force");
         assert_eq!(finger_for(Some(&at(Some(1))), 0, false, &both), Some(1));
-        assert_eq!(
-            finger_for(Some(&at(Some(0))), 0, true, &[false, true]),
-            None
-        );
+        let twin = finger_for(Some(&at(Some(0))), 0, true, &[false, true]);
+        assert_eq!(twin, Some(1), "its twin is at 0");
         assert_eq!(finger_for(Some(&at(None)), 0, true, &both), None);
     }
 

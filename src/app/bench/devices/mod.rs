@@ -10,7 +10,7 @@ mod work;
 
 use super::Bench;
 use super::job::Job;
-use super::live::{FINGERS, Seat};
+use super::live::{FINGERS, Live, Seat};
 use crate::app::hardware::{Attached, DeviceWish, FingerDevice, Hardware, StiffnessChoice};
 use crate::app::messages::Level;
 use crate::app::state::BuildStatus;
@@ -59,6 +59,8 @@ struct Finger {
     gone: bool,
     stiffness: StiffnessChoice,
     passivity: bool,
+    /// Counts what was asked for this finger.
+    asked: u64,
 }
 
 impl Default for Devices {
@@ -87,10 +89,10 @@ impl Devices {
         }
     }
 
-    /// Whether the device of some finger tells by itself how it is.
-    pub fn tell_themselves(&self) -> bool {
-        let vitals = |f: &Finger| f.used.as_ref().and_then(|u| u.told.vitals.clone());
-        self.fingers.iter().any(|f| f.gone || vitals(f).is_some())
+    /// Whether the device of a finger tells by itself how it is.
+    pub fn tells_itself(&self, finger: usize) -> bool {
+        let used = self.fingers.get(finger).and_then(|f| f.used.as_ref());
+        used.is_some_and(|u| u.told.vitals.is_some())
     }
 
     fn free(&self) -> [bool; FINGERS] {
@@ -102,10 +104,16 @@ impl Devices {
     }
 
     fn came(&mut self, found: Found) {
-        let again = self.fingers.iter().position(|f| {
+        // Of twins the one that was plugged in there.
+        let back = |f: &Finger, there: bool| {
             let used = f.used.as_ref().filter(|_| f.gone);
-            used.is_some_and(|u| same(&u.told.found, &found))
-        });
+            used.is_some_and(|u| {
+                let before = &u.told.found;
+                same(before, &found) && (!there || before.place == found.place)
+            })
+        };
+        let there = self.fingers.iter().position(|f| back(f, true));
+        let again = there.or_else(|| self.fingers.iter().position(|f| back(f, false)));
         let family = by_key(found.family);
         let defaults = family.map(|f| f.defaults());
         let file = defaults.as_ref().and_then(|defaults| {
@@ -133,15 +141,23 @@ impl Devices {
             self.fingers[finger].passivity = choice.passivity;
         }
         let fault = self.faults.get(&found.place).copied();
-        self.tasks.retain(|t| !t.is_for(finger));
+        let number = self.forget_asked(finger);
         self.tasks.push_back(Task::Open {
             order: Order {
                 finger,
                 found,
                 fault,
+                number,
             },
             after,
         });
+    }
+
+    /// Nothing that was asked for a finger before is carried out; the number of what is asked for next.
+    fn forget_asked(&mut self, finger: usize) -> u64 {
+        self.tasks.retain(|t| !t.is_for(finger));
+        self.fingers[finger].asked += 1;
+        self.fingers[finger].asked
     }
 
     /// Remembers what moves a finger, and how; answers what went wrong.
@@ -165,6 +181,11 @@ impl Bench {
     /// Looks for devices from now on.
     pub fn watch_devices(&mut self) {
         self.devices.tasks.push_back(Task::Survey);
+        self.look_again();
+    }
+
+    /// Looks anew: what is attached is told once more.
+    fn look_again(&mut self) {
         match Watch::start(plug::looker(), LOOK_EVERY) {
             Ok(watch) => self.devices.watch = Some(watch),
             Err(e) => self.tell(Level::Error, format!("devices cannot be looked for: {e}")),
@@ -228,8 +249,11 @@ impl Bench {
                 }
             }
             DeviceWish::Recentre { finger } => {
-                if let (Some(live), Some(scene)) = (&mut self.live, &self.scene) {
-                    live.recentre(finger, scene);
+                if let (Some(live), Some(scene)) = (&mut self.live, &self.scene)
+                    && !live.recentre(finger, scene)
+                {
+                    let text = "Its device file says where it sits, or it does not answer: it stays where it is";
+                    self.tell(Level::Warning, text);
                 }
             }
             DeviceWish::Release { finger } => {
@@ -252,12 +276,14 @@ impl Bench {
                 if let Some(slot) = self.devices.fingers.get_mut(finger) {
                     slot.stiffness = choice;
                     self.bound_anew(finger);
+                    self.keep_choice(finger);
                 }
             }
             DeviceWish::Passivity { finger, on } => {
                 if let Some(slot) = self.devices.fingers.get_mut(finger) {
                     slot.passivity = on;
                     self.bound_anew(finger);
+                    self.keep_choice(finger);
                 }
             }
             DeviceWish::Emulate { family, fault } => self.emulate(family, fault),
@@ -307,7 +333,7 @@ impl Bench {
 
     /// Has a finger moved by the mouse; what moved it is closed.
     fn by_mouse(&mut self, finger: usize) {
-        self.devices.tasks.retain(|t| !t.is_for(finger));
+        let asked = self.devices.forget_asked(finger);
         for a in &mut self.devices.attached {
             if a.finger == Some(finger) {
                 a.finger = None;
@@ -316,7 +342,10 @@ impl Bench {
         if self.devices.fingers[finger].used.is_none() {
             return;
         }
-        self.devices.fingers[finger] = Finger::default();
+        self.devices.fingers[finger] = Finger {
+            asked,
+            ..Finger::default()
+        };
         if let (Some(live), Some(scene)) = (&mut self.live, &self.scene) {
             live.use_mouse(finger, scene);
         }
@@ -377,6 +406,9 @@ impl Bench {
         if let (Some(limits), Some(live)) = (limits, &mut self.live) {
             live.set_limits(finger, limits);
         }
+    }
+
+    fn keep_choice(&mut self, finger: usize) {
         let used = self.devices.fingers[finger].used.as_ref();
         if let Some(found) = used.map(|u| u.told.found.clone()) {
             let trouble = self.devices.keep(&found, Some(finger));
@@ -408,6 +440,7 @@ impl Bench {
         for change in heard {
             changed = true;
             match change {
+                Change::Came(found) if self.devices.attached.iter().any(|a| a.found == found) => {}
                 Change::Came(found) => {
                     self.tell(Level::Info, format!("{} is attached", found.title));
                     self.devices.came(found);
@@ -419,7 +452,12 @@ impl Bench {
         for finger in 0..FINGERS {
             changed |= self.poll_condition(finger);
         }
-        if self.devices_locked().is_none() {
+        if self.devices_locked().is_some() {
+            // What is recorded is the skin's force.
+            for used in self.devices.fingers.iter().filter_map(|f| f.used.as_ref()) {
+                used.push.end();
+            }
+        } else {
             for finger in 0..FINGERS {
                 if self.devices.fingers[finger].gone {
                     self.by_mouse(finger);
@@ -487,11 +525,14 @@ impl Bench {
             other => {
                 slot.gone |= other.is_final();
                 let text = format!("{name}: {}. Its force is zero", other.title());
-                if other.is_final() {
-                    // One that is still there comes again when it is plugged in.
-                    self.devices.attached.retain(|a| a.found != place);
-                }
                 self.tell(Level::Error, text);
+                if other.is_final() {
+                    self.devices.attached.retain(|a| a.found != place);
+                    // It may be there again before anyone looked.
+                    if self.devices.watch.is_some() {
+                        self.look_again();
+                    }
+                }
             }
         }
         true
@@ -604,20 +645,36 @@ impl Bench {
 
     fn opened(&mut self, opened: Opened) {
         let Opened {
-            finger,
-            device,
+            order,
+            mut device,
             used,
             seat,
         } = opened;
         let (Some(scene), true) = (self.scene.clone(), self.live.is_some()) else {
             return;
         };
+        let finger = order.finger;
+        let locked = self.devices_locked().is_some();
         let slot = &mut self.devices.fingers[finger];
+        if order.number != slot.asked || (locked && !slot.gone) {
+            device.close();
+            // A recording was begun meanwhile: it is opened again at its end.
+            if order.number == slot.asked {
+                let after = Duration::ZERO;
+                self.devices.tasks.push_back(Task::Open { order, after });
+            }
+            return;
+        }
         let name = used.told.capabilities.name.clone();
         let again = std::mem::replace(&mut slot.gone, false);
         slot.used = Some(used);
         slot.condition = Condition::Waiting;
-        let limits = self.limits_of(&self.devices.fingers[finger]);
+        // The bounds that a running recording tells stay.
+        let told = |live: &Live| live.devices().nth(finger).map(|(_, limits)| *limits);
+        let limits = match &self.live {
+            Some(live) if locked => told(live),
+            _ => self.limits_of(&self.devices.fingers[finger]),
+        };
         let seat = seat.map(|(place, above_mm)| Seat { place, above_mm });
         if let Some(seat) = &seat {
             seat.over(&scene, finger);

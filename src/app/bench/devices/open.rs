@@ -18,8 +18,8 @@ const ABOVE_MM: f64 = 20.0;
 
 /// A device ready for a finger.
 pub struct Opened {
-    /// Which finger.
-    pub finger: usize,
+    /// What was asked for.
+    pub order: Order,
     /// For the servo.
     pub device: Box<dyn Device>,
     /// What the window knows of it.
@@ -47,6 +47,8 @@ pub struct Order {
     pub found: Found,
     /// Its fault, where it is emulated.
     pub fault: Option<&'static str>,
+    /// Counts what was asked for this finger: only the newest is carried out.
+    pub number: u64,
 }
 
 /// Opens what `order` names, calibrated by the file in `folder`, for a servo at `rate_hz`.
@@ -78,7 +80,7 @@ pub fn open(order: &Order, folder: &Path, rate_hz: f64) -> Result<Opened, Device
     };
     let device: Box<dyn Device> = Box::new(Pushed::new(device, &push));
     Ok(Opened {
-        finger: order.finger,
+        order: order.clone(),
         device: if seated {
             Box::new(Seated::new(device, &place))
         } else {
