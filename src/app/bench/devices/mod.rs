@@ -24,11 +24,16 @@ use open::{Opened, Order, Used, is_emulated};
 use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
 use std::sync::mpsc::Receiver;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use work::{Done, Task};
 
 /// How often is looked for what was plugged in.
 const LOOK_EVERY: Duration = Duration::from_millis(500);
+
+/// What passes by itself is not told more often than this.
+const QUIET: Duration = Duration::from_secs(20);
+/// A device that answers for so long is told to answer again.
+const STAYS: Duration = Duration::from_secs(1);
 
 /// The devices of the bench.
 pub struct Devices {
@@ -61,6 +66,10 @@ struct Finger {
     passivity: bool,
     /// Counts what was asked for this finger.
     asked: u64,
+    /// When it was told last that something is amiss which passes by itself.
+    amiss: Option<Instant>,
+    /// Since when it answers again, where that is still to be told.
+    back: Option<Instant>,
 }
 
 impl Default for Devices {
@@ -512,17 +521,27 @@ impl Bench {
             return false;
         };
         let now = vitals.condition();
-        let before = std::mem::replace(&mut slot.condition, now);
-        if now == before {
-            return false;
-        }
         let name = used.told.capabilities.name.clone();
         let place = used.told.found.clone();
+        let before = std::mem::replace(&mut slot.condition, now);
+        if now == before {
+            let back = slot.back.take_if(|since| since.elapsed() > STAYS);
+            if back.is_some() && now == Condition::Good {
+                self.tell(Level::Info, format!("{name} answers again"));
+            }
+            return back.is_some();
+        }
         match now {
-            Condition::Good if before == Condition::Waiting => {}
-            Condition::Good => self.tell(Level::Info, format!("{name} answers again")),
-            Condition::Waiting | Condition::Closed => {}
+            Condition::Good if slot.amiss.is_some() => slot.back = Some(Instant::now()),
+            Condition::Good | Condition::Waiting | Condition::Closed => {}
             other => {
+                slot.back = None;
+                // On a busy machine a device falls silent again and again.
+                let passes = !other.is_latched() && !other.is_final();
+                if passes && slot.amiss.is_some_and(|at| at.elapsed() < QUIET) {
+                    return true;
+                }
+                slot.amiss = Some(Instant::now());
                 slot.gone |= other.is_final();
                 let text = format!("{name}: {}. Its force is zero", other.title());
                 self.tell(Level::Error, text);
