@@ -162,6 +162,11 @@ fn scenes_and_devices_are_swapped_and_come_back_to_be_freed() {
     assert!(within(SOON, || {
         while let Ok(retired) = lines.retired.pop() {
             back.push(matches!(retired, Retired::Scene(_)));
+            // Closing may wait: the servo leaves it to whoever takes the device back.
+            if let Retired::Device(mut device) = retired {
+                assert!(!first_log.closed.load(Ordering::SeqCst));
+                device.close();
+            }
         }
         back.len() == 2
     }));

@@ -7,6 +7,7 @@ use super::tick::{Rig, tick};
 use super::timing::{Health, TimingStats};
 use crate::contact::TouchScene;
 use crate::device::{Device, MAX_FINGERS};
+use crate::geom::Vec3;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -60,8 +61,8 @@ pub enum Command {
         /// The scene as edited.
         scene: Box<TouchScene>,
     },
-    /// Use another device for a finger; the old one is closed and comes back through [`Lines::retired`]. Ignored (and
-    /// handed back) for a finger that there is not.
+    /// Use another device for a finger; the old one is sent zero force, switched off and comes back through
+    /// [`Lines::retired`]: closing may wait for its thread. Ignored (and handed back) for a finger that there is not.
     SetDevice(usize, Box<dyn Device>),
     /// Bound the force on a finger otherwise; ignored for a finger that there is not. Not while its ticks are recorded: a
     /// recording says at its beginning what bounds it has.
@@ -76,7 +77,7 @@ pub enum Command {
 pub enum Retired {
     /// A scene.
     Scene(Box<TouchScene>),
-    /// A closed device.
+    /// A device, switched off, to be closed.
     Device(Box<dyn Device>),
 }
 
@@ -470,7 +471,7 @@ impl Loop {
                         device.enable(self.state.force_enabled);
                         std::mem::swap(slot, &mut device);
                         device.enable(false);
-                        device.close();
+                        device.write(Vec3::ZERO);
                         self.place_anew[finger] = true;
                     }
                     let _ = self.retired.push(Retired::Device(device));

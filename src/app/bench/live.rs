@@ -285,7 +285,11 @@ impl Live {
     /// Takes what the servo has sent, and frees what it is done with.
     pub fn poll(&mut self) {
         self.flush();
-        while self.retired.pop().is_ok() {}
+        while let Ok(retired) = self.retired.pop() {
+            if let Retired::Device(mut device) = retired {
+                device.close();
+            }
+        }
         self.snapshot = *self.newest.read();
         if self.servo.fault().is_some() {
             self.snapshot.health = Health::Fault;

@@ -5,22 +5,23 @@
 //! again takes it back, with the bounds that the recording tells.
 
 mod choose;
+mod news;
 mod open;
+mod wishes;
 mod work;
 
 use super::Bench;
 use super::job::Job;
-use super::live::{FINGERS, Live, Seat};
-use crate::app::hardware::{Attached, DeviceWish, FingerDevice, Hardware, StiffnessChoice};
+use super::live::FINGERS;
+use crate::app::hardware::{Attached, FingerDevice, Hardware, StiffnessChoice};
 use crate::app::messages::Level;
 use crate::app::state::BuildStatus;
 use crate::device::hid::guard::Condition;
 use crate::device::plug::{self, Change, Watch};
-use crate::device::{Calibration, Found, by_key, calibration};
-use crate::geom::Vec3;
+use crate::device::{Found, by_key, calibration};
 use crate::servo::{self, Halt, Limits, StiffnessBound};
 use choose::{Choices, finger_for};
-use open::{Opened, Order, Used, is_emulated};
+use open::{Order, Used, is_emulated};
 use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
 use std::sync::mpsc::Receiver;
@@ -214,186 +215,6 @@ impl Bench {
         }
     }
 
-    /// Carries out what is asked of devices.
-    pub fn device(&mut self, wish: DeviceWish) {
-        let harmless = matches!(
-            wish,
-            DeviceWish::Release { .. } | DeviceWish::StopTest { .. } | DeviceWish::AskMakers
-        );
-        if let Some(why) = self.devices_locked().filter(|_| !harmless) {
-            self.tell(Level::Warning, why);
-            return;
-        }
-        let used = |bench: &Self, finger: usize| {
-            let finger = bench.devices.fingers.get(finger)?;
-            finger.used.as_ref().map(|u| u.told.clone())
-        };
-        match wish {
-            DeviceWish::Assign { finger, found } => self.assign(finger, found),
-            DeviceWish::AskMakers => {
-                self.devices.makers_asked = true;
-                self.devices.tasks.push_back(Task::AskMakers);
-            }
-            DeviceWish::Calibrate {
-                finger,
-                calibration,
-            } => {
-                if let Some(told) = used(self, finger) {
-                    let calibration = Box::new(Calibration {
-                        family: told.found.family.into(),
-                        serial: told.found.serial.clone(),
-                        ..*calibration
-                    });
-                    let task = Task::Save {
-                        finger,
-                        calibration,
-                    };
-                    self.devices.tasks.push_back(task);
-                }
-            }
-            DeviceWish::ResetCalibration { finger } => {
-                if let Some(told) = used(self, finger) {
-                    let found = told.found.clone();
-                    self.devices.tasks.push_back(Task::Forget { finger, found });
-                }
-            }
-            DeviceWish::Recentre { finger } => {
-                if let (Some(live), Some(scene)) = (&mut self.live, &self.scene)
-                    && !live.recentre(finger, scene)
-                {
-                    let text = "Its device file says where it sits, or it does not answer: it stays where it is";
-                    self.tell(Level::Warning, text);
-                }
-            }
-            DeviceWish::Release { finger } => {
-                if let Some(vitals) = used(self, finger).and_then(|t| t.vitals.clone()) {
-                    vitals.release();
-                }
-            }
-            DeviceWish::Test {
-                finger,
-                axis,
-                force_n,
-            } => self.push(finger, axis, force_n),
-            DeviceWish::StopTest { finger } => {
-                let finger = self.devices.fingers.get(finger);
-                if let Some(used) = finger.and_then(|f| f.used.as_ref()) {
-                    used.push.end();
-                }
-            }
-            DeviceWish::Stiffness { finger, choice } => {
-                if let Some(slot) = self.devices.fingers.get_mut(finger) {
-                    slot.stiffness = choice;
-                    self.bound_anew(finger);
-                    self.keep_choice(finger);
-                }
-            }
-            DeviceWish::Passivity { finger, on } => {
-                if let Some(slot) = self.devices.fingers.get_mut(finger) {
-                    slot.passivity = on;
-                    self.bound_anew(finger);
-                    self.keep_choice(finger);
-                }
-            }
-            DeviceWish::Emulate { family, fault } => self.emulate(family, fault),
-            DeviceWish::EndEmulation => {
-                for finger in 0..FINGERS {
-                    if used(self, finger).is_some_and(|told| told.emulated) {
-                        self.by_mouse(finger);
-                    }
-                }
-                self.devices.attached.retain(|a| !a.emulated);
-                self.devices.tasks.retain(|t| !t.is_emulated());
-            }
-        }
-    }
-
-    fn assign(&mut self, finger: usize, found: Option<Found>) {
-        if finger >= FINGERS {
-            return;
-        }
-        let before = self.devices.fingers[finger].used.as_ref();
-        if let Some(left) = before.map(|u| u.told.found.clone()) {
-            let trouble = self.devices.keep(&left, None);
-            self.tell_trouble(trouble);
-        }
-        self.by_mouse(finger);
-        let Some(found) = found else { return };
-        let attached = &self.devices.attached;
-        let elsewhere = (attached.iter().find(|a| a.found == found)).and_then(|a| a.finger);
-        if let Some(other) = elsewhere.filter(|f| *f != finger) {
-            self.by_mouse(other);
-        }
-        for a in &mut self.devices.attached {
-            if a.found == found {
-                (a.finger, a.trouble) = (Some(finger), None);
-            }
-        }
-        let trouble = self.devices.keep(&found, Some(finger));
-        self.tell_trouble(trouble);
-        self.devices.open(finger, found, work::LET_GO);
-    }
-
-    fn tell_trouble(&mut self, trouble: Option<String>) {
-        if let Some(text) = trouble {
-            self.tell(Level::Warning, format!("the choice is not kept: {text}"));
-        }
-    }
-
-    /// Has a finger moved by the mouse; what moved it is closed.
-    fn by_mouse(&mut self, finger: usize) {
-        let asked = self.devices.forget_asked(finger);
-        for a in &mut self.devices.attached {
-            if a.finger == Some(finger) {
-                a.finger = None;
-            }
-        }
-        if self.devices.fingers[finger].used.is_none() {
-            return;
-        }
-        self.devices.fingers[finger] = Finger {
-            asked,
-            ..Finger::default()
-        };
-        if let (Some(live), Some(scene)) = (&mut self.live, &self.scene) {
-            live.use_mouse(finger, scene);
-        }
-    }
-
-    /// Attaches a simulated device, which takes a free finger; `fault` goes wrong with it once it is pressed.
-    pub fn emulate(&mut self, family: &str, fault: Option<&'static str>) {
-        let Some(known) = by_key(family) else { return };
-        self.devices.simulated += 1;
-        let found = Found {
-            family: known.key(),
-            place: format!("{} {}", open::EMULATED, self.devices.simulated),
-            title: format!("{} (emulated)", known.title()),
-            serial: None,
-            note: Some("a simulated arm in a simulated hand".into()),
-        };
-        if let Some(fault) = fault {
-            self.devices.faults.insert(found.place.clone(), fault);
-        }
-        self.devices.came(found);
-    }
-
-    fn push(&mut self, finger: usize, axis: usize, force_n: f64) {
-        let touches = |bench: &Self| {
-            let fingers = bench.live.as_ref()?.snapshot().record.fingers().to_vec();
-            Some(fingers.get(finger)?.contact.depth_mm > 0.0)
-        };
-        if touches(self).unwrap_or(false) {
-            let text = "The finger touches the skin: lift it off before its force is tested";
-            self.tell(Level::Warning, text);
-            return;
-        }
-        let along = [Vec3::X, Vec3::Y, Vec3::Z].get(axis).copied();
-        let finger = self.devices.fingers.get(finger);
-        if let (Some(along), Some(used)) = (along, finger.and_then(|f| f.used.as_ref())) {
-            used.push.begin(along * force_n);
-        }
-    }
-
     /// The bounds that go with the device of a finger in the open scene.
     fn limits_of(&self, finger: &Finger) -> Option<Limits> {
         let told = &finger.used.as_ref()?.told;
@@ -414,14 +235,6 @@ impl Bench {
         let limits = self.limits_of(&self.devices.fingers[finger]);
         if let (Some(limits), Some(live)) = (limits, &mut self.live) {
             live.set_limits(finger, limits);
-        }
-    }
-
-    fn keep_choice(&mut self, finger: usize) {
-        let used = self.devices.fingers[finger].used.as_ref();
-        if let Some(found) = used.map(|u| u.told.found.clone()) {
-            let trouble = self.devices.keep(&found, Some(finger));
-            self.tell_trouble(trouble);
         }
     }
 
@@ -514,49 +327,6 @@ impl Bench {
         }
     }
 
-    fn poll_condition(&mut self, finger: usize) -> bool {
-        let slot = &mut self.devices.fingers[finger];
-        let Some(used) = &slot.used else { return false };
-        let Some(vitals) = &used.told.vitals else {
-            return false;
-        };
-        let now = vitals.condition();
-        let name = used.told.capabilities.name.clone();
-        let place = used.told.found.clone();
-        let before = std::mem::replace(&mut slot.condition, now);
-        if now == before {
-            let back = slot.back.take_if(|since| since.elapsed() > STAYS);
-            if back.is_some() && now == Condition::Good {
-                self.tell(Level::Info, format!("{name} answers again"));
-            }
-            return back.is_some();
-        }
-        match now {
-            Condition::Good if slot.amiss.is_some() => slot.back = Some(Instant::now()),
-            Condition::Good | Condition::Waiting | Condition::Closed => {}
-            other => {
-                slot.back = None;
-                // On a busy machine a device falls silent again and again.
-                let passes = !other.is_latched() && !other.is_final();
-                if passes && slot.amiss.is_some_and(|at| at.elapsed() < QUIET) {
-                    return true;
-                }
-                slot.amiss = Some(Instant::now());
-                slot.gone |= other.is_final();
-                let text = format!("{name}: {}. Its force is zero", other.title());
-                self.tell(Level::Error, text);
-                if other.is_final() {
-                    self.devices.attached.retain(|a| a.found != place);
-                    // It may be there again before anyone looked.
-                    if self.devices.watch.is_some() {
-                        self.look_again();
-                    }
-                }
-            }
-        }
-        true
-    }
-
     /// Starts what is to be done, and takes in what is done.
     fn poll_device_work(&mut self) -> bool {
         if let Some((job, _)) = &self.devices.job {
@@ -596,118 +366,6 @@ impl Bench {
             Err(e) => self.tell(Level::Error, format!("{what}: {e}")),
         }
         true
-    }
-
-    fn device_done(&mut self, done: Done) {
-        match done {
-            Done::Opened(opened) => self.opened(*opened),
-            Done::Failed { order, why } => {
-                if let Some(order) = order {
-                    for a in &mut self.devices.attached {
-                        if a.found == order.found {
-                            (a.finger, a.trouble) = (None, Some(why.clone()));
-                        }
-                    }
-                    let text = format!("{} cannot be used: {why}", order.found.title);
-                    self.tell(Level::Error, text);
-                } else {
-                    self.tell(Level::Error, why);
-                }
-            }
-            Done::Surveyed { missing } => {
-                for (key, why) in missing {
-                    self.devices.missing.retain(|m| m.0 != key);
-                    self.devices.missing.push((key, why));
-                }
-            }
-            Done::Makers { found, missing } => {
-                self.devices
-                    .missing
-                    .retain(|m| by_key(m.0).is_some_and(|f| f.may_be_watched()));
-                self.devices.missing.extend(missing);
-                let known = |f: &Found| self.devices.attached.iter().any(|a| a.found == *f);
-                let new: Vec<Found> = found.into_iter().filter(|f| !known(f)).collect();
-                for found in new {
-                    self.devices.came(found);
-                }
-            }
-            Done::Saved { finger, path } => {
-                self.tell(Level::Info, format!("Saved to {}", path.display()));
-                self.reopen(finger);
-            }
-            Done::Forgotten { finger, path } => {
-                let text = format!("{} is removed: published values are used", path.display());
-                self.tell(Level::Info, text);
-                self.reopen(finger);
-            }
-        }
-    }
-
-    /// Closes the device of a finger and opens it again as it is calibrated now.
-    fn reopen(&mut self, finger: usize) {
-        let used = self.devices.fingers[finger].used.as_ref();
-        let Some(found) = used.map(|u| u.told.found.clone()) else {
-            return;
-        };
-        let slot = &self.devices.fingers[finger];
-        let (stiffness, passivity) = (slot.stiffness, slot.passivity);
-        self.by_mouse(finger);
-        let slot = &mut self.devices.fingers[finger];
-        (slot.stiffness, slot.passivity) = (stiffness, passivity);
-        for a in &mut self.devices.attached {
-            if a.found == found {
-                a.finger = Some(finger);
-            }
-        }
-        self.devices.open(finger, found, work::LET_GO);
-    }
-
-    fn opened(&mut self, opened: Opened) {
-        let Opened {
-            order,
-            mut device,
-            used,
-            seat,
-        } = opened;
-        let (Some(scene), true) = (self.scene.clone(), self.live.is_some()) else {
-            return;
-        };
-        let finger = order.finger;
-        let locked = self.devices_locked().is_some();
-        let slot = &mut self.devices.fingers[finger];
-        if order.number != slot.asked || (locked && !slot.gone) {
-            device.close();
-            // A recording was begun meanwhile: it is opened again at its end.
-            if order.number == slot.asked {
-                let after = Duration::ZERO;
-                self.devices.tasks.push_back(Task::Open { order, after });
-            }
-            return;
-        }
-        let name = used.told.capabilities.name.clone();
-        let again = std::mem::replace(&mut slot.gone, false);
-        slot.used = Some(used);
-        slot.condition = Condition::Waiting;
-        // The bounds that a running recording tells stay.
-        let told = |live: &Live| live.devices().nth(finger).map(|(_, limits)| *limits);
-        let limits = match &self.live {
-            Some(live) if locked => told(live),
-            _ => self.limits_of(&self.devices.fingers[finger]),
-        };
-        let seat = seat.map(|(place, above_mm)| Seat { place, above_mm });
-        if let Some(seat) = &seat {
-            seat.over(&scene, finger);
-        }
-        if let (Some(live), Some(limits)) = (&mut self.live, limits) {
-            live.use_device(finger, device, seat, limits);
-        }
-        let text = if again {
-            format!("{name} is back at finger {}", finger + 1)
-        } else {
-            format!("{name} moves finger {}", finger + 1)
-        };
-        self.tell(Level::Info, text);
-        self.tell_too_stiff(finger);
     }
 
     /// Devices as panels see them.
