@@ -30,7 +30,7 @@
 //! | watchdog | device | its own, where it has one: a host that falls silent |
 //!
 //! Families reach the link by HID, a maker's library or a maker's service. The mouse, scripts and replay have no link and
-//! render no force. The end of a link, however it comes, is the report of no current, several times. [`halt`] ends every
+//! render no force. The end of a link, however it comes, is the report of no current, several times. [`halt()`] ends every
 //! servo: zero, switched off, closed.
 
 mod fade;

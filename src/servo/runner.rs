@@ -145,7 +145,7 @@ pub enum Fault {
 /// A servo without a tick for this long counts as hung.
 pub const HANG_BOUND: Duration = Duration::from_millis(250);
 
-/// The running servo; it ends by itself when everything is [halted](super::halt). Dropping it zeroes the force, closes the devices and joins the thread; a hung thread is left behind.
+/// The running servo; it ends by itself when everything is [halted](super::halt()). Dropping it zeroes the force, closes the devices and joins the thread; a hung thread is left behind.
 #[derive(Debug)]
 pub struct Servo {
     shared: Arc<Shared>,
@@ -236,7 +236,7 @@ impl Drop for Devices {
 }
 
 /// Runs ticks one after the other as fast as they go, on the calling thread, until `each` answers `false` or everything is
-/// [halted](super::halt).
+/// [halted](super::halt()).
 ///
 /// The same tick and the same order of calls as the live servo: what a scripted device feels here it feels there.
 pub fn run_offline(
