@@ -105,6 +105,10 @@ impl<D: Device> Device for Troubled<D> {
         self.device.write(force_n);
     }
 
+    fn enable(&mut self, on: bool) {
+        self.device.enable(on);
+    }
+
     fn close(&mut self) {
         self.device.close();
     }
