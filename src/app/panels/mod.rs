@@ -2,6 +2,7 @@
 
 pub mod back_view;
 pub mod compare;
+pub mod devices;
 pub mod ellipse_map;
 pub mod exercise;
 mod folder;
@@ -18,7 +19,7 @@ pub mod sessions;
 pub mod stiffness_map;
 mod timing;
 
-pub use plots::KEY as PLOTS_KEY;
+pub use plots::{FINGER_NAMES, KEY as PLOTS_KEY};
 pub use recorder::KEY as RECORDER_KEY;
 pub use timing::health as timing_health;
 
@@ -86,6 +87,7 @@ pub fn all() -> Vec<Box<dyn Panel>> {
         Box::new(library::LibraryPanel::default()),
         Box::new(sessions::SessionsPanel::default()),
         Box::new(compare::ComparePanel::default()),
+        Box::new(devices::DevicesPanel::default()),
     ]
 }
 

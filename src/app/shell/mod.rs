@@ -165,10 +165,15 @@ pub struct Workbench {
     palette: Option<Palette>,
     toasts: egui_notify::Toasts,
     toasted: u64,
+    /// What was shown of late, and when, s: what repeats is shown once.
+    shown: Vec<(String, f64)>,
     title: String,
     meter: FrameMeter,
     frames_with_scene: u64,
 }
+
+/// The same message is not shown over the window again for this long, s.
+const SHOWN_ONCE_S: f64 = 10.0;
 
 const ROLE_KEY: &str = "role";
 const DARK_KEY: &str = "dark";
@@ -268,6 +273,7 @@ impl Workbench {
                 .with_anchor(egui_notify::Anchor::BottomRight)
                 .with_margin(egui::vec2(8.0, 36.0)),
             toasted: 0,
+            shown: Vec::new(),
             title: String::new(),
             meter: FrameMeter::default(),
             frames_with_scene: 0,
@@ -324,6 +330,12 @@ impl Workbench {
                 Level::Warning => (icon::ICON_WARNING, view.theme.warning, 5),
                 Level::Error => (icon::ICON_ERROR, view.theme.fault, 9),
             };
+            let now_s = ctx.input(|i| i.time);
+            self.shown.retain(|(_, at_s)| now_s - at_s < SHOWN_ONCE_S);
+            if self.shown.iter().any(|(text, _)| *text == message.text) {
+                continue;
+            }
+            self.shown.push((message.text.clone(), now_s));
             self.toasts
                 .custom(&message.text, icon.codepoint.to_owned(), colour)
                 .duration(Some(std::time::Duration::from_secs(seconds)));
@@ -380,7 +392,7 @@ impl eframe::App for Workbench {
                     .fill(theme.panel)
                     .inner_margin(egui::Margin::symmetric(8, 3)),
             )
-            .show(ui, |ui| status::ui(ui, &view));
+            .show(ui, |ui| status::ui(ui, &view, &self.shared.send));
         egui::CentralPanel::no_frame().show(ui, |ui| {
             ui.painter()
                 .rect_filled(ui.max_rect(), 0.0, theme.background);
