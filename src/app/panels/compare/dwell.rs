@@ -16,6 +16,9 @@ use egui::{
 const PIXELS: [usize; 2] = [240, 300];
 /// Largest width of a picture, points.
 const LARGEST: f32 = 360.0;
+/// Smallest room for one, points, and how many stand beside each other at most.
+const SMALLEST: f32 = 130.0;
+const ABREAST: usize = 3;
 /// Width of the legend, points.
 const LEGEND: f32 = 78.0;
 /// Steps of the legend's ramp.
@@ -51,34 +54,52 @@ impl Pictures {
             ui.weak("No finger touched the skin in these recordings");
             return;
         }
-        let n = told.len().max(1) as f32;
-        let room = ui.available_width() - LEGEND - 12.0;
-        let width = ((room - 10.0 * n) / n.min(3.0)).clamp(120.0, LARGEST);
+        // As many beside each other as can be told apart, the legend beside the first of them.
+        let room = ui.available_width() - LEGEND - 24.0;
+        let most = ((room / SMALLEST) as usize).clamp(1, ABREAST);
+        let abreast = told.len().clamp(1, most);
+        let width = (room / abreast as f32 - 10.0).clamp(SMALLEST - 10.0, LARGEST);
         let size = vec2(width, width * PIXELS[1] as f32 / PIXELS[0] as f32);
-        ui.horizontal_wrapped(|ui| {
-            for ((name, told), texture) in told.iter().zip(&self.made) {
-                ui.vertical(|ui| {
-                    ui.set_width(width);
-                    ui.add(egui::Label::new(RichText::new(name).strong()).truncate());
-                    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
-                    let what = format!("Dwell map of {name}");
-                    response.widget_info(|| {
-                        egui::WidgetInfo::labeled(egui::accesskit::Role::Figure, true, &what)
-                    });
-                    ui.painter().rect_filled(rect, 4.0, theme.inset);
-                    let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-                    ui.painter().image(texture.id(), rect, uv, Color32::WHITE);
-                    self.tell(&response, rect, &told.analysis.dwell);
-                    let dwell = &told.analysis.dwell;
-                    let text = format!(
-                        "{:.1} s on the skin, at most {:.2} s in a cell",
-                        dwell.total_s(),
-                        dwell.most_s()
-                    );
-                    ui.add(egui::Label::new(RichText::new(text).size(11.5).weak()).truncate());
-                });
-            }
-            self.legend_ui(ui, theme, size.y);
+        let all: Vec<(&Named, &TextureHandle)> = told.iter().zip(&self.made).collect();
+        for (i, row) in all.chunks(abreast).enumerate() {
+            ui.horizontal_top(|ui| {
+                for (named, texture) in row {
+                    self.one_ui(ui, theme, named, texture, size);
+                }
+                if i == 0 {
+                    self.legend_ui(ui, theme, size.y);
+                }
+            });
+        }
+    }
+
+    fn one_ui(
+        &self,
+        ui: &mut egui::Ui,
+        theme: &Theme,
+        (name, told): &Named,
+        texture: &TextureHandle,
+        size: egui::Vec2,
+    ) {
+        ui.vertical(|ui| {
+            ui.set_width(size.x);
+            ui.add(egui::Label::new(RichText::new(name).strong()).truncate());
+            let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+            let what = format!("Dwell map of {name}");
+            response.widget_info(|| {
+                egui::WidgetInfo::labeled(egui::accesskit::Role::Figure, true, &what)
+            });
+            ui.painter().rect_filled(rect, 4.0, theme.inset);
+            let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            ui.painter().image(texture.id(), rect, uv, Color32::WHITE);
+            let dwell = &told.analysis.dwell;
+            self.tell(&response, rect, dwell);
+            let text = format!(
+                "{:.1} s on the skin, at most {:.2} s in a cell",
+                dwell.total_s(),
+                dwell.most_s()
+            );
+            ui.add(egui::Label::new(RichText::new(text).size(11.5).weak()).truncate());
         });
     }
 
