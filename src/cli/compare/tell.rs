@@ -72,15 +72,19 @@ pub(super) fn tell_all(report: &Report, written: &[PathBuf]) {
             let Some(d) = &measure.difference else {
                 continue;
             };
+            let g = match d.has_g() {
+                true => format!(
+                    "g {:.2} ({:.2} to {:.2})",
+                    d.g, d.g_interval[0], d.g_interval[1]
+                ),
+                false => "g –".to_owned(),
+            };
             print(format_args!(
-                "  {:28} {:>11.3} ({:.3} to {:.3})  g {:.2} ({:.2} to {:.2})",
+                "  {:28} {:>11.3} ({:.3} to {:.3})  {g}",
                 metric.heading_at(edges_n),
                 d.difference,
                 d.difference_interval[0],
-                d.difference_interval[1],
-                d.g,
-                d.g_interval[0],
-                d.g_interval[1]
+                d.difference_interval[1]
             ));
         }
     }

@@ -220,7 +220,9 @@ pub(super) fn grouped(grouped: &Grouped, edges_n: &[f64]) -> Markup {
                 td.text title=(metric.about) { (metric.heading_at(edges_n)) }
                 @for s in &d.groups { td { (number(Some(s.mean))) " ± " (number(Some(s.sd))) } }
                 td { (number(Some(d.difference))) small { (interval(d.difference_interval)) } }
-                td { (two(d.g)) small { (two(d.g_interval[0])) " to " (two(d.g_interval[1])) } }
+                td {
+                    @if d.has_g() { (two(d.g)) small { (two(d.g_interval[0])) " to " (two(d.g_interval[1])) } } @else { "–" }
+                }
                 @if paired { @for i in 0..2 { td {
                     @if let Some(icc) = of.icc.get(i) {
                         (two(icc.value)) small { (two(icc.interval[0])) " to " (two(icc.interval[1])) }

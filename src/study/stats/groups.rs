@@ -46,6 +46,13 @@ pub struct GroupDifference {
     pub g_interval: [f64; 2],
 }
 
+impl GroupDifference {
+    /// Whether g tells anything: of two pairs it does not, for d has no mean with one degree of freedom, and g is 0.
+    pub fn has_g(&self) -> bool {
+        self.pairing == Pairing::Unpaired || self.groups[0].n > 2
+    }
+}
+
 /// Mean and standard deviation of what is finite; `None` for nothing.
 pub fn summary(values: &[f64]) -> Option<Summary> {
     let finite: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
@@ -179,6 +186,9 @@ mod tests {
         near(same.difference_interval[0], 0.700_114);
         near(same.difference_interval[1], 2.459_886);
         near(same.d, 4.062_13 / 10_f64.sqrt());
+        assert!(same.has_g() && others.has_g());
+        let two = paired(&pairs[..2]).expect("told");
+        assert!(!two.has_g() && two.g == 0.0);
         assert!(same.g < same.d && same.g_interval[0] > 0.0 && same.g_interval[1] > same.g);
     }
 

@@ -123,8 +123,11 @@ fn table(of: &Grouped, edges_n: &[f64]) -> Table {
         row.extend([
             measures::number(Some(d.difference)),
             interval(d.difference_interval),
-            measures::number(Some(d.g)),
-            interval(d.g_interval),
+            measures::number(Some(d.g).filter(|_| d.has_g())),
+            match d.has_g() {
+                true => interval(d.g_interval),
+                false => Value::Empty,
+            },
         ]);
         table.push(row);
     }
