@@ -381,7 +381,10 @@ fn a_stiff_scene_is_told_scaled_and_hidden_in_an_exercise() {
     panel.change(|view| view.blind = true);
     assert!(!panel.says("felt up to") && panel.says("stays hidden"));
     panel.click("Page Live");
-    assert!(panel.says("Force and currents are hidden"));
+    assert!(panel.says("are hidden while the exercise runs"));
+    for tells in ["Position, mm", "Force, N", "Current, mA", "Encoders"] {
+        assert!(!panel.says(tells), "{tells}");
+    }
     panel.harness.check_accessibility();
 }
 

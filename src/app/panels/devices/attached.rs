@@ -180,6 +180,7 @@ fn fault_title(fault: Fault) -> &'static str {
         Fault::Frozen => "It repeats its last report",
         Fault::Silent => "It falls silent",
         Fault::Jump => "Its encoders jump",
+        Fault::Extreme => "Its encoders say the most they can",
         Fault::Short => "Its reports are cut off",
         Fault::Slow => "It reports every 50 ms",
         Fault::Reversed => "A motor turns the wrong way",

@@ -5,8 +5,7 @@ use super::{PanelContext, figure, is_same};
 use crate::app::editor::parts::pick;
 use crate::app::hardware::{FingerDevice, InUse};
 use crate::app::theme::Theme;
-use crate::device::MAX_FINGERS;
-use crate::geom::Vec3;
+use crate::device::{MAX_FINGERS, Reading};
 use egui::RichText;
 use egui_plot::{Line, Plot};
 use std::sync::Arc;
@@ -53,6 +52,14 @@ impl Live {
             ui.weak("Nothing was read yet");
             return;
         };
+        let reading = &record.reading;
+        // Force over place is stiffness, and a place below known skin is depth.
+        if cx.view.blind {
+            self.release();
+            ui.weak("Place, force, encoders and currents are hidden while the exercise runs");
+            told_ui(ui, &cx.view.theme, one, reading);
+            return;
+        }
         let time_s = ui.input(|i| i.time);
         let trace = &mut self.traces[finger % MAX_FINGERS];
         let before = &mut self.devices[finger % MAX_FINGERS];
@@ -65,7 +72,6 @@ impl Live {
             trace.clear();
         }
         before.clone_from(&one.device);
-        let reading = &record.reading;
         trace.push(Sample {
             time_s,
             position_mm: reading.position_mm,
@@ -74,9 +80,6 @@ impl Live {
         if one.device.is_some() {
             ui.request_repaint_after(LOOK_EVERY);
         }
-        // Force over place is stiffness.
-        let blind = cx.view.blind;
-        let dashes = Vec3::NAN;
         egui::Grid::new("axes")
             .num_columns(4)
             .spacing([8.0, 3.0])
@@ -103,7 +106,7 @@ impl Live {
                     (
                         "Force, N",
                         "What was sent to the device in the last tick",
-                        if blind { dashes } else { record.sent_force_n },
+                        record.sent_force_n,
                         2,
                     ),
                 ];
@@ -115,30 +118,14 @@ impl Live {
                     ui.end_row();
                 }
                 if let Some(device) = &one.device {
-                    wire_ui(ui, device, blind);
+                    wire_ui(ui, device);
                 }
             });
-        if let Some(device) = &one.device {
-            buttons_ui(ui, &cx.view.theme, device, reading.buttons);
-        }
-        if !reading.connected {
-            let text = RichText::new("The device does not answer: its last place is shown");
-            ui.label(text.color(cx.view.theme.warning));
-        }
-        if blind {
-            ui.weak("Force and currents are hidden while the exercise runs");
-        }
+        told_ui(ui, &cx.view.theme, one, reading);
         ui.add_space(4.0);
-        let shown = if blind {
-            Plotted::Position
-        } else {
-            self.plotted
-        };
+        let shown = self.plotted;
         ui.horizontal(|ui| {
             for (which, text) in [(Plotted::Force, "Force"), (Plotted::Position, "Position")] {
-                if blind && which == Plotted::Force {
-                    continue;
-                }
                 let why = "Which of both is plotted over the last seconds";
                 if pick(ui, shown == which, text, &format!("Plot {text}"), why) {
                     self.plotted = which;
@@ -164,7 +151,7 @@ fn head(ui: &mut egui::Ui, text: &str, why: &str) {
 }
 
 /// Encoders and currents, as the wire has them.
-fn wire_ui(ui: &mut egui::Ui, device: &InUse, blind: bool) {
+fn wire_ui(ui: &mut egui::Ui, device: &InUse) {
     let Some(vitals) = &device.vitals else {
         return;
     };
@@ -177,12 +164,7 @@ fn wire_ui(ui: &mut egui::Ui, device: &InUse, blind: bool) {
         ui.label(RichText::new("Current, mA").weak())
             .on_hover_text("Currents sent to the motors last");
         for ma in vitals.current_ma() {
-            let text = if blind {
-                figure(f64::NAN, 9, 0)
-            } else {
-                format!("{ma:>9}")
-            };
-            ui.monospace(text);
+            ui.monospace(format!("{ma:>9}"));
         }
         ui.end_row();
     }
@@ -203,6 +185,17 @@ fn wire_ui(ui: &mut egui::Ui, device: &InUse, blind: bool) {
             ui.monospace(format!("{n:>9}"));
         }
         ui.end_row();
+    }
+}
+
+/// Its buttons, and whether it answers.
+fn told_ui(ui: &mut egui::Ui, theme: &Theme, one: &FingerDevice, reading: &Reading) {
+    if let Some(device) = &one.device {
+        buttons_ui(ui, theme, device, reading.buttons);
+    }
+    if !reading.connected {
+        let text = RichText::new("The device does not answer: its last place is kept");
+        ui.label(text.color(theme.warning));
     }
 }
 
