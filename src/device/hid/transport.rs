@@ -41,6 +41,10 @@ impl Port for Box<dyn Port> {
     fn write(&mut self, report: &[u8]) -> Result<(), Gone> {
         (**self).write(report)
     }
+
+    fn enable(&mut self, on: bool) -> Result<(), Gone> {
+        (**self).enable(on)
+    }
 }
 
 /// A device reached through the system's HID.
