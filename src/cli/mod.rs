@@ -158,6 +158,8 @@ pub fn main() -> u8 {
     count::offer();
     match &arguments.command {
         Some(Command::Emulate(_)) => signals::leave_to_parent(),
+        // Nothing runs beside what is counted.
+        Some(Command::Count) => {}
         _ => signals::heed(),
     }
     let outcome = match &arguments.command {
