@@ -33,14 +33,17 @@ struct Board {
 }
 
 impl Port for Board {
-    fn read(&mut self, into: &mut [u8; REPORT], _wait_ms: u16) -> Result<usize, Gone> {
+    fn read(&mut self, into: &mut [u8; REPORT], wait_ms: u16) -> Result<usize, Gone> {
+        if wait_ms == 0 {
+            return Ok(0);
+        }
         std::thread::sleep(Duration::from_millis(1));
         self.counter = self.counter.wrapping_add(1);
         // To and fro, so that one of the steps comes without a delay that would explain it.
         let away = self.jumps.load(Ordering::Relaxed) && self.counter % 2 == 0;
         let far = if away { 3000 } else { 0 };
         let report = wooden::In {
-            encoders: [far, self.counter % 2, 0],
+            encoders: [0, self.counter % 2, far],
             counter: self.counter,
         };
         into[..wooden::IN_BYTES].copy_from_slice(&report.encode());

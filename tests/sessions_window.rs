@@ -398,6 +398,7 @@ fn two_recordings_are_compared_with_the_right_numbers() {
     let text = std::fs::read_to_string(&page).expect("written");
     assert!(text.contains("a_novice and b_expert") && text.matches("<svg").count() >= 4);
     assert!(view(harness.state()).parts.has(Item::Comparison));
+    click(&mut harness, "Page Groups");
     click(&mut harness, "Take B out");
     until_said(&mut harness, "tag the recordings in the Sessions panel");
     click(&mut harness, "Take A out");

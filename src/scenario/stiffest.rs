@@ -96,10 +96,9 @@ mod tests {
 
     #[test]
     fn a_dysfunction_that_stiffens_is_in_it() {
-        let plain = "format = 1\nname = \"Plain\"\n[surface]\nbuiltin = \"back\"\n";
+        let plain = "format = 1\nname = \"Plain\"\n[surface]\nbuiltin = \"back\"\n[stiffness]\nconstant_n_per_mm = 1\n";
         let hard = format!(
-            "{plain}[[dysfunction]]\nkind = \"hypertonic\"\nlevel = \"T5\"\nside = \"right\"\n\
-             stiffness_change = {{ stiffness_percent = 300 }}\n"
+            "{plain}[[dysfunction]]\nkind = \"hypertonic\"\nlevel = \"T5\"\nside = \"right\"\nseverity = 3\n"
         );
         let stiffest = |text: &str| {
             let scenario = Scenario::parse(text, "test.toml", None).expect("valid");
@@ -107,6 +106,9 @@ mod tests {
             let scene = scene.expect("built");
             scene.stiffest_n_per_mm()
         };
-        assert!(stiffest(&hard) > stiffest(plain));
+        assert_eq!(stiffest(plain), 1.0);
+        // 40 % less compliance where it is worst: 1 / 0.6.
+        let k = stiffest(&hard);
+        assert!(k > 1.6 && k <= 1.0 / 0.6 + 1e-9, "{k}");
     }
 }

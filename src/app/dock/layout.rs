@@ -217,6 +217,7 @@ mod tests {
                 crate::app::panels::library::KEY,
                 crate::app::panels::sessions::KEY,
                 crate::app::panels::compare::KEY,
+                crate::app::panels::devices::KEY,
             ]
         );
         let mut main = panels.iter().filter(|p| p.home == Home::Main);
