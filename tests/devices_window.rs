@@ -129,6 +129,7 @@ fn finger(device: Option<InUse>) -> FingerDevice {
         name: "Mouse".into(),
         device: device.map(Arc::new),
         gone: false,
+        sunk: false,
         limits,
         stiffness: StiffnessChoice::AsIs,
         test: None,

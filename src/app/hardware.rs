@@ -47,6 +47,8 @@ pub struct FingerDevice {
     pub device: Option<Arc<InUse>>,
     /// It was pulled out, and the finger is held without force until the recording that runs is finished.
     pub gone: bool,
+    /// It is under the skin without touching it, as one is that went in while its force was off.
+    pub sunk: bool,
     /// Bounds on its force.
     pub limits: Limits,
     /// What is done where the skin is stiffer than it renders.

@@ -23,7 +23,7 @@ pub struct HandsArgs {
     /// Feel with an emulated device of this family, which a simulated hand presses. Once for each finger.
     #[arg(long, value_name = "FAMILY", conflicts_with = "device")]
     emulator: Vec<String>,
-    /// What goes wrong with the emulated device once it is pressed: unplugged, frozen, silent, jump, short, slow, reversed.
+    /// What goes wrong with the emulated device once it is pressed: unplugged, frozen, silent, jump, extreme, short, slow, reversed.
     #[arg(long, value_name = "FAULT", requires = "emulator")]
     fault: Option<String>,
     /// Folder of the device files, instead of the user's.

@@ -56,7 +56,7 @@ pub struct WorkbenchArgs {
     /// Attach a simulated device of this family, in a simulated hand: woodenhaptics, polhem or polhem-teensy.
     #[arg(long, value_name = "FAMILY")]
     emulator: Option<String>,
-    /// What goes wrong with it once it is pressed: unplugged, frozen, silent, jump, short, slow, reversed.
+    /// What goes wrong with it once it is pressed: unplugged, frozen, silent, jump, extreme, short, slow, reversed.
     #[arg(long, value_name = "FAULT", requires = "emulator")]
     fault: Option<String>,
     /// A recording to replay at once.

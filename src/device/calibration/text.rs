@@ -22,7 +22,8 @@ impl Calibration {
             line(format!("name = {}", quoted(name)));
         }
         line(format!("rated_force_n = {:?}", self.rated_force_n));
-        if self.max_stiffness_n_per_mm.is_finite() {
+        // One that its maker tells nothing of has no bound, and no line.
+        if self.max_stiffness_n_per_mm != f64::INFINITY {
             let k = self.max_stiffness_n_per_mm;
             line(format!("max_stiffness_n_per_mm = {k:?}  # at 1 kHz"));
         }

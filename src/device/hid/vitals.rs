@@ -60,6 +60,8 @@ pub struct Vitals {
     /// Time from a report to the first currents that answer it.
     pub latency: Histogram,
     condition: AtomicU8,
+    taken_off: AtomicU64,
+    why_off: AtomicU8,
     reports: AtomicU64,
     not_understood: AtomicU64,
     lost: AtomicU64,
@@ -83,12 +85,19 @@ pub struct Counts {
     pub skipped: u64,
     /// Reports written.
     pub written: u64,
+    /// Times that it was good and force was taken off it.
+    pub taken_off: u64,
 }
 
 impl Vitals {
     /// How the device is.
     pub fn condition(&self) -> Condition {
         Condition::from_number(self.condition.load(Ordering::Acquire))
+    }
+
+    /// What force was last taken off for, which may have passed since; [`Condition::Waiting`] before the first time.
+    pub fn why_off(&self) -> Condition {
+        Condition::from_number(self.why_off.load(Ordering::Acquire))
     }
 
     /// What was counted.
@@ -100,6 +109,7 @@ impl Vitals {
             lost: get(&self.lost),
             skipped: get(&self.skipped),
             written: get(&self.written),
+            taken_off: get(&self.taken_off),
         }
     }
 
@@ -123,7 +133,12 @@ impl Vitals {
     }
 
     pub(super) fn set_condition(&self, condition: Condition) {
-        self.condition.store(condition as u8, Ordering::Release);
+        let before = self.condition.swap(condition as u8, Ordering::AcqRel);
+        let fell = before == Condition::Good as u8 && condition != Condition::Good;
+        if fell && condition != Condition::Closed {
+            self.why_off.store(condition as u8, Ordering::Release);
+            self.taken_off.fetch_add(1, Ordering::Release);
+        }
     }
 
     pub(super) fn count_reports(&self, understood: u64, other: u64) {
@@ -162,6 +177,26 @@ impl Vitals {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// What passes between two looks is seen all the same.
+    #[test]
+    fn each_time_that_force_is_taken_off_is_counted_and_a_good_bye_is_none() {
+        let vitals = Vitals::default();
+        let off = || (vitals.counts().taken_off, vitals.why_off());
+        for condition in [Condition::Waiting, Condition::Good, Condition::Good] {
+            vitals.set_condition(condition);
+        }
+        assert_eq!(off(), (0, Condition::Waiting));
+        vitals.set_condition(Condition::Silent);
+        vitals.set_condition(Condition::Good);
+        assert_eq!(off(), (1, Condition::Silent));
+        vitals.set_condition(Condition::Jumped);
+        vitals.set_condition(Condition::Jumped);
+        assert_eq!(off(), (2, Condition::Jumped));
+        vitals.set_condition(Condition::Good);
+        vitals.set_condition(Condition::Closed);
+        assert_eq!(off(), (2, Condition::Jumped));
+    }
 
     #[test]
     fn quantiles_are_upper_edges_of_their_bins() {

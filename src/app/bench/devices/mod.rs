@@ -63,6 +63,9 @@ struct Finger {
     used: Option<Used>,
     condition: Condition,
     gone: bool,
+    sunk: bool,
+    /// Times that force was taken off it, as last seen.
+    taken_off: u64,
     stiffness: StiffnessChoice,
     passivity: bool,
     /// Counts what was asked for this finger.
@@ -273,6 +276,7 @@ impl Bench {
         changed |= self.poll_device_work();
         for finger in 0..FINGERS {
             changed |= self.poll_condition(finger);
+            changed |= self.poll_sunk(finger);
         }
         if self.devices_locked().is_some() {
             // What is recorded is the skin's force.
@@ -382,6 +386,7 @@ impl Bench {
                         name: name.to_owned(),
                         device: used.map(|u| u.told.clone()),
                         gone: finger.gone,
+                        sunk: finger.sunk,
                         limits: *limits,
                         stiffness: finger.stiffness,
                         test: used.and_then(|u| u.push.state()),

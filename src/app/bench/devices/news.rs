@@ -6,8 +6,11 @@ use super::{QUIET, STAYS};
 use crate::app::bench::Bench;
 use crate::app::bench::live::{Live, Seat};
 use crate::app::messages::Level;
+use crate::contact::{Touch, TouchScene};
 use crate::device::hid::guard::Condition;
 use crate::device::{Found, by_key};
+use crate::geom::Vec3;
+use crate::partition::Partition as _;
 use std::time::{Duration, Instant};
 
 impl Bench {
@@ -17,7 +20,12 @@ impl Bench {
         let Some(vitals) = &used.told.vitals else {
             return false;
         };
-        let now = vitals.condition();
+        let mut now = vitals.condition();
+        let taken_off = vitals.counts().taken_off;
+        if std::mem::replace(&mut slot.taken_off, taken_off) < taken_off && now == Condition::Good {
+            // It passed between two looks.
+            now = vitals.why_off();
+        }
         let name = used.told.capabilities.name.clone();
         let place = used.told.found.clone();
         let before = std::mem::replace(&mut slot.condition, now);
@@ -52,6 +60,20 @@ impl Bench {
             }
         }
         true
+    }
+
+    /// Whether a finger that a device moves is under the skin without touching it: there it feels nothing until it comes out.
+    pub(super) fn poll_sunk(&mut self, finger: usize) -> bool {
+        let slot = &mut self.devices.fingers[finger];
+        let record = self.live.as_ref().map(|l| l.snapshot().record);
+        let record = record.as_ref().and_then(|r| r.fingers().get(finger));
+        let sunk = match (&slot.used, record, &self.scene) {
+            (Some(_), Some(r), Some(scene)) if r.reading.is_usable() => {
+                r.contact.touch == Touch::Free && is_under(&scene.touch, r.reading.position_mm)
+            }
+            _ => false,
+        };
+        std::mem::replace(&mut slot.sunk, sunk) != sunk
     }
 
     pub(super) fn device_done(&mut self, done: Done) {
@@ -143,7 +165,7 @@ impl Bench {
         let name = used.told.capabilities.name.clone();
         let again = std::mem::replace(&mut slot.gone, false);
         slot.used = Some(used);
-        slot.condition = Condition::Waiting;
+        (slot.condition, slot.taken_off) = (Condition::Waiting, 0);
         // The bounds that a running recording tells stay.
         let told = |live: &Live| live.devices().nth(finger).map(|(_, limits)| *limits);
         let limits = match &self.live {
@@ -164,5 +186,52 @@ impl Bench {
         };
         self.tell(Level::Info, text);
         self.tell_too_stiff(finger);
+    }
+}
+
+/// A finger is said to be under the skin from this far, mm, to so far under it.
+const UNDER_MM: std::ops::RangeInclusive<f64> = 1.0..=80.0;
+
+/// Whether a place is behind the triangle that is nearest to it.
+fn is_under(scene: &TouchScene, at_mm: Vec3) -> bool {
+    let found = (scene.search).nearest(&scene.surface, at_mm, *UNDER_MM.end());
+    found.is_some_and(|near| {
+        let normal = scene.surface.triangle(near.triangle).normal();
+        -(at_mm - near.point).dot(normal) >= *UNDER_MM.start()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::Stiffness;
+    use crate::partition::bvh::Bvh;
+    use crate::surface::{RawMesh, Surface};
+    use std::sync::Arc;
+
+    #[test]
+    fn under_the_skin_is_behind_it_and_neither_on_it_nor_far_from_it() {
+        let mesh = RawMesh {
+            positions: vec![
+                Vec3::new(-100.0, -100.0, 5.0),
+                Vec3::new(200.0, -100.0, 5.0),
+                Vec3::new(-100.0, 200.0, 5.0),
+            ],
+            triangles: vec![[0, 1, 2]],
+        };
+        let surface = Arc::new(Surface::new(mesh).expect("sound").0);
+        let search = Arc::new(Bvh::new(&surface));
+        let scene = TouchScene::new(surface, search, Stiffness::Uniform(1.0));
+        for (z, expected) in [
+            (15.0, false),
+            (5.0, false),
+            (4.5, false),
+            (3.9, true),
+            (-60.0, true),
+            (-90.0, false),
+        ] {
+            assert_eq!(is_under(&scene, Vec3::new(1.0, 2.0, z)), expected, "{z}");
+        }
+        assert!(!is_under(&scene, Vec3::NAN));
     }
 }

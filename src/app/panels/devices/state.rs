@@ -61,6 +61,10 @@ pub fn of(finger: &FingerDevice) -> State {
         None => plain("In use", "", Severity::Good),
         Some(vitals) => {
             let condition = vitals.condition();
+            if condition == Condition::Good && finger.sunk {
+                let title = "Under the skin, where nothing is felt: lift it out first";
+                return plain(title, "under the skin", Severity::Warning);
+            }
             State {
                 title: capital(condition.title()),
                 short: short(condition),
@@ -128,6 +132,7 @@ mod tests {
             name: "Mouse".into(),
             device: None,
             gone: false,
+            sunk: false,
             limits: Default::default(),
             stiffness: StiffnessChoice::AsIs,
             test: None,

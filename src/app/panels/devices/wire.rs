@@ -70,7 +70,7 @@ impl Rate {
         } else {
             String::new()
         };
-        let rows: [(&str, String, &str, bool); 7] = [
+        let rows: [(&str, String, &str, bool); 8] = [
             (
                 "Device",
                 hz(0) + &states,
@@ -112,6 +112,12 @@ impl Rate {
                 whole(counts.written),
                 "Reports sent to the device",
                 false,
+            ),
+            (
+                "Force taken off",
+                whole(counts.taken_off),
+                "Times that force was taken off because the device was silent, frozen or did what it should not",
+                counts.taken_off > 0,
             ),
         ];
         egui::Grid::new("counts")
