@@ -3,7 +3,7 @@
 use super::SessionError;
 use super::format;
 use super::header::Header;
-use super::reader::wire_error;
+use super::records::wire_error;
 use super::wire::{self, WireError};
 use mcap::records::{Metadata, op};
 use mcap::{Attachment, McapResult, Writer};

@@ -25,6 +25,8 @@ mod playback;
 mod pops;
 pub mod reader;
 pub mod recorder;
+mod recording;
+mod records;
 pub mod replay;
 mod rewrite;
 mod timeline;
@@ -37,8 +39,10 @@ pub use extras::{Extras, Folder};
 pub use format::{Edit, Event};
 pub use header::{DeviceInfo, Header, MeshSource, build_id, utc_now};
 pub use playback::{PLAYBACK_SPEEDS, Playback, Source};
-pub use reader::{Damage, Entry, Recording, Records, Session, Strictness, Ticks};
+pub use reader::Session;
 pub use recorder::{RecorderHandle, RecorderState, RecorderStatus, RecorderThread};
+pub use recording::Recording;
+pub use records::{Damage, Entry, Records, Strictness, Ticks};
 pub use replay::{
     CheckReport, Passed, Rebuild, Resimulated, Resimulation, check, check_edited, check_with,
     input_of, resimulate, resimulate_edited,

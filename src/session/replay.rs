@@ -2,7 +2,8 @@
 
 use super::compare::{Difference, FieldDifference, Tally};
 use super::header::hexadecimal;
-use super::reader::{Session, Strictness, Ticks};
+use super::reader::Session;
+use super::records::{Strictness, Ticks};
 use super::{Damage, Edit, SessionError};
 use crate::contact::{Fading, TouchScene};
 use crate::device::MAX_FINGERS;

@@ -2,7 +2,8 @@
 
 use super::format;
 use super::header::Header;
-use super::reader::{Damage, Entry, Records, Session, Strictness};
+use super::reader::Session;
+use super::records::{Damage, Entry, Records, Strictness};
 use super::writer::{self, IfExists};
 use super::{SessionError, utc_now};
 use mcap::records::{MessageHeader, Metadata};
