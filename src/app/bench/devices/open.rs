@@ -121,8 +121,8 @@ fn calibration_of(
 #[cfg(target_os = "linux")]
 mod emulator {
     use super::Order;
-    use crate::device::hid::emulator::Fault;
     use crate::device::hid::emulator::process::{Emulated, Request, family};
+    use crate::device::hid::emulator::{Fault, Hand};
     use crate::device::{Calibration, Device, DeviceError, Family as _};
 
     /// The process that stands in for a device.
@@ -130,6 +130,8 @@ mod emulator {
 
     /// It is to be there for as long as the window is.
     const SECONDS: f64 = 86_400.0;
+    /// How far the hand reaches under the middle of the workspace, mm.
+    const DEPTH_MM: f64 = 6.0;
 
     /// Starts the simulated device and opens it.
     ///
@@ -141,9 +143,14 @@ mod emulator {
     ) -> Result<(Box<dyn Device>, Emulator), DeviceError> {
         let arms = family(order.found.family)?;
         let program = std::env::current_exe().map_err(DeviceError::new)?;
+        let fault = order.fault.and_then(Fault::by_key);
         let request = Request {
             seconds: SECONDS,
-            fault: order.fault.and_then(Fault::by_key),
+            hand: match fault {
+                Some(_) => Hand::Insist { depth_mm: DEPTH_MM },
+                None => Hand::Visit { depth_mm: DEPTH_MM },
+            },
+            fault,
             ..Request::press(arms.key())
         };
         let (emulator, port) = Emulated::spawn(&program, &request)?;

@@ -22,6 +22,11 @@ pub enum Hand {
         /// How far under the middle of the workspace, mm.
         depth_mm: f64,
     },
+    /// Palpates for a while, then rests above for as long, in turn.
+    Visit {
+        /// How far under the middle of the workspace, mm.
+        depth_mm: f64,
+    },
 }
 
 /// Where it rests, mm above the middle of the workspace.
@@ -40,14 +45,18 @@ const PRESSES_HZ: f64 = 0.7;
 const WANDERS_HZ: [f64; 2] = [0.23, 0.31];
 /// How far it wanders, mm.
 const WANDERS_MM: f64 = 12.0;
+/// How long a visiting hand palpates and how long it rests, and how long it comes or goes, s.
+const VISITS_S: f64 = 10.0;
+const GOES_S: f64 = 1.0;
 
 impl Hand {
     /// How deep it goes, mm.
     pub fn depth_mm(self) -> f64 {
         match self {
-            Self::Press { depth_mm } | Self::Insist { depth_mm } | Self::Palpate { depth_mm } => {
-                depth_mm
-            }
+            Self::Press { depth_mm }
+            | Self::Insist { depth_mm }
+            | Self::Palpate { depth_mm }
+            | Self::Visit { depth_mm } => depth_mm,
         }
     }
 
@@ -62,6 +71,13 @@ impl Hand {
                 let share = 0.5 + 0.5 * libm::cos(TAU * PRESSES_HZ * since_s);
                 let [x, y] = WANDERS_HZ.map(|hz| WANDERS_MM * libm::sin(TAU * hz * since_s));
                 Vec3::new(x, y, LEAVES_MM - (LEAVES_MM + depth_mm) * share)
+            }
+            Self::Visit { .. } => {
+                let at = since_s.max(0.0) % (2.0 * VISITS_S);
+                let share = |since_s: f64| (since_s / GOES_S).clamp(0.0, 1.0);
+                let away = share(at - VISITS_S) - share(at - 2.0 * VISITS_S + GOES_S);
+                let palpates = Self::Palpate { depth_mm }.target_mm(t);
+                palpates.lerp(Vec3::Z * ABOVE_MM, away)
             }
             Self::Insist { .. } => {
                 let t = (t - BEGINS_S).max(0.0) % INSISTS_S;
@@ -78,13 +94,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn both_hands_move_without_a_jump_and_a_palpating_one_leaves_the_skin() {
+    fn hands_move_without_a_jump_and_those_that_palpate_leave_the_skin() {
         for hand in [
             Hand::Press { depth_mm: 8.0 },
             Hand::Insist { depth_mm: 8.0 },
             Hand::Palpate { depth_mm: 8.0 },
+            Hand::Visit { depth_mm: 8.0 },
         ] {
-            let path: Vec<Vec3> = (0..5000)
+            let path: Vec<Vec3> = (0..25_000)
                 .map(|ms| hand.target_mm(f64::from(ms) * 1e-3))
                 .collect();
             let fastest = path
@@ -96,6 +113,10 @@ mod tests {
             assert!((lowest + 8.0).abs() < 1e-3, "{hand:?}: {lowest}");
             let leaves = path[1000..].iter().any(|p| p.z > 5.0);
             assert_eq!(leaves, !matches!(hand, Hand::Press { .. }));
+            let rests = path[12_000..19_500]
+                .iter()
+                .all(|p| p.distance(Vec3::Z * ABOVE_MM) < 1e-9);
+            assert_eq!(rests, matches!(hand, Hand::Visit { .. }));
         }
     }
 }
