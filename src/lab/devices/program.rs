@@ -201,10 +201,9 @@ fn said(run: &Run, vitals: Option<&Vitals>, newest: &crate::servo::Snapshot) -> 
         said.push(condition.title().to_owned());
     }
     if newest.timing.late_ticks > 0 {
-        said.push(format!(
-            "{} ticks later than the watchdog allows",
-            newest.timing.late_ticks
-        ));
+        let n = newest.timing.late_ticks;
+        let ticks = if n == 1 { "tick" } else { "ticks" };
+        said.push(format!("{n} {ticks} later than the watchdog allows"));
     }
     said
 }
